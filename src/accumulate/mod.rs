@@ -1,0 +1,9 @@
+//! 4. Mergeable raw sums. No divisions here.
+
+mod ordered_sum;
+mod pair_counts;
+mod wave_power;
+
+pub use ordered_sum::{LEAF, OrderedSum};
+pub use pair_counts::{PairCounts, PairHistogram, WEIGHT_STEPS};
+pub use wave_power::{PowerMoments, WavePower};

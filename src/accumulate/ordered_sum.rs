@@ -1,0 +1,117 @@
+//! Sums of f64 over realizations that do not depend on how the batch was cut or how many threads worked on it.
+//!
+//! Floating-point addition is not associative, so "the same sum" must mean "the same additions". Realizations are
+//! grouped into leaves of `LEAF` by index; a leaf is summed in index order; leaves are added pairwise along the binary
+//! tree over leaf indices. Every node of that tree has one value whatever the order in which parts arrive, and merging
+//! two shards only completes nodes. At most log2(leaves) nodes are held per contiguous range.
+
+use std::collections::BTreeMap;
+
+/// Realizations per leaf. Shards cut at multiples of this merge to the bytes of the whole run.
+pub const LEAF: u64 = 16;
+
+/// A vector of sums over realizations, in a fixed order of additions.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OrderedSum {
+    /// Complete nodes, keyed by (level, index): node `(l, i)` holds leaves `[i 2^l, (i + 1) 2^l)`. No two nodes here
+    /// are siblings.
+    nodes: BTreeMap<(u32, u64), Vec<f64>>,
+}
+
+impl OrderedSum {
+    /// Adds the sum over one whole leaf (or the last, partial one). `leaf = realization index / LEAF`.
+    ///
+    /// # Panics
+    /// If the leaf is there already: the same realizations counted twice is a bug of ours.
+    pub fn add_leaf(&mut self, leaf: u64, sum: Vec<f64>) {
+        self.insert(0, leaf, sum);
+    }
+
+    /// Adds all realizations of `other`, which must be disjoint.
+    pub fn merge(&mut self, other: Self) {
+        for ((level, index), sum) in other.nodes {
+            self.insert(level, index, sum);
+        }
+    }
+
+    fn insert(&mut self, mut level: u32, mut index: u64, mut sum: Vec<f64>) {
+        while let Some(sibling) = self.nodes.remove(&(level, index ^ 1)) {
+            // Left plus right; addition commutes, so which of them arrived first is not seen.
+            for (a, b) in sum.iter_mut().zip(&sibling) {
+                *a += b;
+            }
+            level += 1;
+            index >>= 1;
+        }
+        let before = self.nodes.insert((level, index), sum);
+        assert!(before.is_none(), "leaf {index} of level {level} was added twice");
+    }
+
+    /// Whether leaves of `other` are here already.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let span = |(level, index): &(u32, u64)| (index << level)..((index + 1) << level);
+        self.nodes
+            .keys()
+            .any(|a| other.nodes.keys().any(|b| span(a).start < span(b).end && span(b).start < span(a).end))
+    }
+
+    /// The total: nodes from the left, smallest leaf index first. Empty if nothing was added.
+    pub fn total(&self) -> Vec<f64> {
+        let mut nodes: Vec<_> = self.nodes.iter().map(|(&(level, index), sum)| (index << level, sum)).collect();
+        nodes.sort_unstable_by_key(|&(start, _)| start);
+        let mut nodes = nodes.into_iter();
+        let Some((_, first)) = nodes.next() else { return Vec::new() };
+        nodes.fold(first.clone(), |mut total, (_, sum)| {
+            for (a, b) in total.iter_mut().zip(sum) {
+                *a += b;
+            }
+            total
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn leaf(i: u64) -> Vec<f64> {
+        // Magnitudes far apart, so that any other order of additions gives other bits.
+        vec![(1.0 + i as f64).powi(if i % 3 == 0 { 30 } else { -3 }), 0.1 * i as f64]
+    }
+
+    fn sum_of(range: std::ops::Range<u64>) -> OrderedSum {
+        let mut sum = OrderedSum::default();
+        range.for_each(|i| sum.add_leaf(i, leaf(i)));
+        sum
+    }
+
+    #[test]
+    fn any_cut_and_any_order_gives_the_same_bytes() {
+        let whole = sum_of(0..37);
+        for cut in 1..37 {
+            let mut left = sum_of(0..cut);
+            left.merge(sum_of(cut..37));
+            assert_eq!(left, whole, "cut at {cut}");
+            let mut right = sum_of(cut..37);
+            right.merge(sum_of(0..cut));
+            assert_eq!(right.total(), whole.total(), "cut at {cut}, reversed");
+        }
+        let mut shuffled = OrderedSum::default();
+        (0..37).for_each(|i| shuffled.add_leaf(i * 11 % 37, leaf(i * 11 % 37)));
+        assert_eq!(shuffled, whole);
+    }
+
+    #[test]
+    fn few_nodes_are_held() {
+        assert!(sum_of(0..1000).nodes.len() <= 10);
+        assert!(sum_of(0..4).overlaps(&sum_of(3..5)));
+        assert!(!sum_of(0..4).overlaps(&sum_of(4..5)));
+    }
+
+    #[test]
+    #[should_panic(expected = "added twice")]
+    fn the_same_leaf_twice_is_refused() {
+        let mut sum = sum_of(0..1);
+        sum.add_leaf(0, leaf(0));
+    }
+}

@@ -1,0 +1,96 @@
+//! 3. Raw sums, three ways behind one trait: `reference` (slow, exact, one loop per sum of the formula), `cpu` (threads
+//! and SIMD), `gpu` (WGSL; the only folder that names wgpu).
+
+pub mod cpu;
+pub mod gpu;
+pub mod reference;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::accumulate::{PairCounts, WavePower};
+use crate::error::{Error, Result};
+use crate::plan::{PairPlan, WavePlan};
+use crate::points::Ensemble;
+
+/// Which of the three ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Backend {
+    /// The slow truth.
+    Reference,
+    /// Native threads and SIMD.
+    Cpu,
+    /// wgpu.
+    Gpu,
+}
+
+/// The tag every raw sum carries: who computed it.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct ComputedBy {
+    /// The ways that took part (more than one after a fallback or a merge).
+    pub backends: Vec<Backend>,
+    /// Device and driver, in words.
+    pub device: String,
+}
+
+impl ComputedBy {
+    /// One backend on one device.
+    pub fn new(backend: Backend, device: impl Into<String>) -> Self {
+        Self { backends: vec![backend], device: device.into() }
+    }
+
+    /// Both.
+    pub fn merge(&self, other: &Self) -> Self {
+        let mut merged = self.clone();
+        for b in &other.backends {
+            if !merged.backends.contains(b) {
+                merged.backends.push(*b);
+            }
+        }
+        if self.device != other.device {
+            merged.device = format!("{}; {}", self.device, other.device);
+        }
+        merged
+    }
+}
+
+/// How a caller watches and stops long work. Shared between threads.
+#[derive(Debug, Default)]
+pub struct Control {
+    cancelled: AtomicBool,
+}
+
+impl Control {
+    /// Asks the work to stop at the next chance.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// `Err(Cancelled)` once `cancel` was called.
+    pub fn check(&self) -> Result<()> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
+    }
+}
+
+/// Raw sums over the realizations of one batch. A batch starts at a multiple of `LEAF` and its result is whole or an
+/// error: never a part of the sums.
+pub trait Compute: Send + Sync {
+    /// Who computes.
+    fn computed_by(&self) -> ComputedBy;
+
+    /// Whether `wave_power` keeps the plan's promise here; the CPU path takes over where not.
+    fn supports_wave_power(&self, _plan: &WavePlan) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Whether `pair_counts` can run this plan here; the CPU path takes over where not.
+    fn supports_pair_counts(&self, _plan: &PairPlan) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Ordered pairs per bin of every realization.
+    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts>;
+
+    /// `|s_m|^2` per stored mode of every realization.
+    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower>;
+}

@@ -1,0 +1,43 @@
+//! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized.
+
+mod pair_counts;
+mod wave_power;
+
+pub use pair_counts::{minimum_image, squared_distance, translation_weight};
+pub use wave_power::phase_turns;
+
+use super::{Backend, Compute, ComputedBy, Control};
+use crate::accumulate::{PairCounts, WavePower};
+use crate::error::Result;
+use crate::plan::{PairPlan, WavePlan};
+use crate::points::Ensemble;
+
+/// The reference implementation.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Reference;
+
+impl Compute for Reference {
+    fn computed_by(&self) -> ComputedBy {
+        ComputedBy::new(Backend::Reference, "reference (f64 and integers, one thread)")
+    }
+
+    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
+        let mut sums = PairCounts::new(self.computed_by(), plan.bins.len(), plan.weighted());
+        for k in 0..ensemble.realizations() {
+            control.check()?;
+            sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k)));
+        }
+        Ok(sums)
+    }
+
+    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+        let mut sums = WavePower::new(self.computed_by(), plan.grid.half_len(), &plan.rings);
+        for k in 0..ensemble.realizations() {
+            control.check()?;
+            let power = wave_power::wave_power(&plan.grid, &ensemble.fractions(k));
+            sums.add(ensemble.first_index() + k as u64, ensemble.points_in(k) as u64, &power, &plan.rings);
+        }
+        sums.close_leaf();
+        Ok(sums)
+    }
+}

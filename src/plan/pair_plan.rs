@@ -1,0 +1,109 @@
+//! The plan for pair counts.
+
+use std::fmt;
+
+use super::{BinFilter, EnsembleShape, RadialBins, batch_size};
+use crate::error::{Error, Result};
+use crate::points::Domain;
+
+/// How pairs near the edge of a window are weighted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Correction {
+    /// Every pair counts 1 (a torus needs no more).
+    None,
+    /// Every pair counts `|D| / |D intersect (D + r)|`, the translation correction.
+    Translation,
+}
+
+/// Everything decided about counting pairs before any pair is looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairPlan {
+    /// The domain.
+    pub domain: Domain,
+    /// The bins.
+    pub bins: RadialBins,
+    /// Integer thresholds on the squared distance, one per edge.
+    pub thresholds: Vec<u128>,
+    /// The f32 filter in front of them.
+    pub filter: BinFilter,
+    /// Edge correction.
+    pub correction: Correction,
+    /// Number and size of realizations.
+    pub shape: EnsembleShape,
+    /// Realizations per batch, a multiple of `LEAF`.
+    pub batch: u64,
+}
+
+impl PairPlan {
+    /// Checks the bins against the domain and decides.
+    pub fn new(domain: &Domain, bins: RadialBins, correction: Correction, shape: EnsembleShape) -> Result<Self> {
+        let r_max = bins.r_max();
+        if domain.is_torus() {
+            if correction != Correction::None {
+                return Err(Error::setting("--correction", "translation", "a torus has no edges; use none"));
+            }
+            let limit = domain.shortest_side() / 2.0;
+            if r_max > limit {
+                let reason = format!(
+                    "beyond half the shortest side ({limit}) a ring does not fit into the torus and g would be under-counted; \
+                     expected at most {limit}"
+                );
+                return Err(Error::setting("--r-max", r_max, reason));
+            }
+        } else if r_max >= domain.shortest_side() {
+            let limit = domain.shortest_side();
+            let reason = format!(
+                "expected less than the shortest side of the window ({limit}): no pair is that far apart there"
+            );
+            return Err(Error::setting("--r-max", r_max, reason));
+        }
+        let thresholds = bins.thresholds(domain)?;
+        let filter = BinFilter::new(&bins, domain);
+        // Points (three u64 axes twice) and a histogram with weights per realization.
+        let bytes = shape.max_points * 48 + bins.len() as u64 * 40;
+        let batch = batch_size(shape.realizations, bytes);
+        Ok(Self { domain: domain.clone(), bins, thresholds, filter, correction, shape, batch })
+    }
+
+    /// The default `r_max`: 8 closest-packing distances, at most half the shortest side.
+    pub fn default_r_max(domain: &Domain, mean_points: f64) -> f64 {
+        (8.0 * domain.closest_packing_distance(mean_points)).min(domain.shortest_side() / 2.0)
+    }
+
+    /// Whether weights are summed beside the counts.
+    pub fn weighted(&self) -> bool {
+        self.correction != Correction::None
+    }
+
+    /// Unordered pairs looked at in all realizations.
+    pub fn pairs(&self) -> f64 {
+        let n = self.shape.mean_points;
+        self.shape.realizations as f64 * n * (n - 1.0).max(0.0) / 2.0
+    }
+}
+
+impl fmt::Display for PairPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let b = &self.bins;
+        let filter = match &self.filter {
+            BinFilter::Linear { .. } => "f32 square root",
+            BinFilter::Table(_) => "table over the bits of r^2",
+        };
+        writeln!(
+            f,
+            "pair_counts: {:.3e} pairs, {} bins over [{}, {})",
+            self.pairs(),
+            b.len(),
+            b.edges()[0],
+            b.r_max()
+        )?;
+        writeln!(f, "  exact: {filter} decides pairs clear of an edge, 128-bit integers the rest")?;
+        writeln!(f, "  batches of {} realizations", self.batch)?;
+        writeln!(f, "  skipped: half of the pairs (i < j, counted twice)")?;
+        match self.correction {
+            Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
+            Correction::Translation => writeln!(f, "  translation weights in steps of 2^-32"),
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The integer frequency grid, how half of it stands for all, and its rings.
+
+use crate::error::{Error, Result};
+use crate::points::Domain;
+
+/// All integer wave vectors `m` with `|m_k| <= F_k`. Only `m_0 >= 0` is computed and stored: `P(-m) = P(m)`.
+///
+/// Stored order: `m_0` in `0..=F_0` outermost, then `m_1` in `-F_1..=F_1`, then `m_2` in `-F_2..=F_2`; axes a domain
+/// lacks have `F = 0`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct WaveGrid {
+    dim: usize,
+    max_frequency: [u32; 3],
+}
+
+/// Frequencies above this are refused: `m` must be exact in f32.
+pub const MAX_FREQUENCY: u32 = 1 << 22;
+
+impl WaveGrid {
+    /// The grid with the given largest frequency per axis (`max_frequency.len()` axes).
+    pub fn new(max_frequency: &[u32]) -> Result<Self> {
+        let mut all = [0; 3];
+        for (a, &f) in all.iter_mut().zip(max_frequency) {
+            if f > MAX_FREQUENCY {
+                return Err(Error::setting("--max-frequency", f, format!("expected at most {MAX_FREQUENCY}")));
+            }
+            *a = f;
+        }
+        let grid = Self { dim: max_frequency.len(), max_frequency: all };
+        let modes: u128 = all.iter().map(|&f| 2 * u128::from(f) + 1).product();
+        // One f64 grid of this size is 16 GiB; the largest the output files are meant for.
+        if modes > 1 << 31 {
+            let value = max_frequency.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+            let reason = format!("{modes} wave vectors need {} GiB per grid; at most 2^31 are supported", modes >> 27);
+            return Err(Error::setting("--max-frequency", value, reason));
+        }
+        Ok(grid)
+    }
+
+    /// The default grid, `F = ceil(5 n^(1/d))` on a cube; on unequal sides `F_k` grows with the side so that the
+    /// largest frequency per unit length is the same on every axis.
+    pub fn default_max_frequency(n: f64, domain: &Domain) -> Vec<u32> {
+        let d = domain.dim() as f64;
+        let mean_side = domain.measure().powf(1.0 / d);
+        let f = |&side: &f64| {
+            let exact = 5.0 * n.powf(1.0 / d) * side / mean_side;
+            // An exact integer must not be lifted by the rounding of the root.
+            (exact * (1.0 - 1e-12)).ceil().clamp(1.0, f64::from(MAX_FREQUENCY)) as u32
+        };
+        domain.sides().iter().map(f).collect()
+    }
+
+    /// Number of axes.
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+
+    /// `F` per axis; 0 on axes the domain lacks.
+    pub fn max_frequency(&self) -> [u32; 3] {
+        self.max_frequency
+    }
+
+    /// Stored length per axis: `F_0 + 1`, `2 F_1 + 1`, `2 F_2 + 1`.
+    pub fn half_shape(&self) -> [usize; 3] {
+        let [f0, f1, f2] = self.max_frequency.map(|f| f as usize);
+        [f0 + 1, 2 * f1 + 1, 2 * f2 + 1]
+    }
+
+    /// Number of stored modes.
+    pub fn half_len(&self) -> usize {
+        self.half_shape().iter().product()
+    }
+
+    /// Number of modes of the whole grid.
+    pub fn full_len(&self) -> usize {
+        self.max_frequency.iter().map(|&f| 2 * f as usize + 1).product()
+    }
+
+    /// Where the DC mode `m = 0` is stored.
+    pub fn dc(&self) -> usize {
+        self.half_index([0, 0, 0])
+    }
+
+    /// Where mode `m` is stored; `-m` stands in where `m_0 < 0`.
+    pub fn half_index(&self, m: [i32; 3]) -> usize {
+        let m = if m[0] < 0 { m.map(|x| -x) } else { m };
+        let [_, n1, n2] = self.half_shape();
+        let at = |k: usize| (m[k] + self.max_frequency[k] as i32) as usize;
+        (m[0] as usize * n1 + at(1)) * n2 + at(2)
+    }
+
+    /// The stored mode at `index`.
+    pub fn mode(&self, index: usize) -> [i32; 3] {
+        let [_, n1, n2] = self.half_shape();
+        let at = |i: usize, k: usize| i as i32 - self.max_frequency[k] as i32;
+        [(index / (n1 * n2)) as i32, at(index / n2 % n1, 1), at(index % n2, 2)]
+    }
+
+    /// How many modes of the whole grid the stored mode stands for: 2 (itself and its mirror image) where `m_0 > 0`;
+    /// 1 on the plane `m_0 = 0`, which is stored whole.
+    pub fn multiplicity(&self, index: usize) -> u32 {
+        if self.mode(index)[0] > 0 { 2 } else { 1 }
+    }
+
+    /// The columns of the matrix product: all `(m_1, m_2)` from which every stored mode follows by sign, i.e. one of
+    /// each pair `+-(m_1, m_2)`.
+    pub fn columns(&self) -> Vec<[i32; 2]> {
+        let [_, f1, f2] = self.max_frequency.map(|f| f as i32);
+        let zero = (0..=f2).map(|m2| [0, m2]);
+        let rest = (1..=f1).flat_map(|m1| (-f2..=f2).map(move |m2| [m1, m2]));
+        zero.chain(rest).collect()
+    }
+}
+
+/// Rings of constant frequency: ring `k` (1-based) holds the modes with `nu / nu_1` in `[k - 1/2, k + 1/2)`, where
+/// `nu = |m / L|` and `nu_1 = 1 / max L`; only rings that lie whole inside the grid. DC is in none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rings {
+    /// `1 / longest side`, in cycles per unit length.
+    pub fundamental: f64,
+    /// Number of rings.
+    pub count: usize,
+    /// Ring (1-based) of each stored mode, 0 for none.
+    pub ring_of: Vec<u32>,
+    /// Modes of the whole grid per ring (index `k - 1`); half of them are independent.
+    pub modes: Vec<u64>,
+    /// Number of stored modes on the plane `m_0 = 0`, which come first and count once; all others count twice.
+    pub plane_len: usize,
+}
+
+impl Rings {
+    /// The rings of a grid.
+    pub fn new(grid: &WaveGrid, domain: &Domain) -> Self {
+        let longest = domain.sides().iter().copied().fold(0.0, f64::max);
+        let ratios: Vec<f64> = domain.sides().iter().map(|s| longest / s).collect();
+        // Ring k is whole if every mode just outside the grid lies at or beyond its upper end k + 1/2.
+        let outside = (0..grid.dim).map(|k| f64::from(grid.max_frequency[k] + 1) * ratios[k]);
+        let count = (outside.fold(f64::INFINITY, f64::min) - 0.5).floor() as usize;
+        let mut modes = vec![0; count];
+        let ring_of = (0..grid.half_len())
+            .map(|index| {
+                let m = grid.mode(index);
+                let squared: f64 = (0..grid.dim).map(|k| (f64::from(m[k]) * ratios[k]).powi(2)).sum();
+                // |m| is never exactly a half integer for integer m (4|m|^2 is even), so rounding is safe on a cube.
+                let ring = (squared.sqrt() + 0.5).floor() as usize;
+                if ring == 0 || ring > count {
+                    return 0;
+                }
+                modes[ring - 1] += u64::from(grid.multiplicity(index));
+                ring as u32
+            })
+            .collect();
+        let [_, n1, n2] = grid.half_shape();
+        Self { fundamental: 1.0 / longest, count, ring_of, modes, plane_len: n1 * n2 }
+    }
+}

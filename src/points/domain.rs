@@ -1,0 +1,142 @@
+//! Where points live: a torus that wraps, or a rectangular window that does not.
+
+use crate::error::{Error, Result};
+
+/// What happens at the sides of the box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Boundary {
+    /// Opposite sides are glued; distances are minimum-image distances.
+    Torus,
+    /// The pattern was observed through a window; distances are plain, edges need correction.
+    Window,
+}
+
+/// An axis-aligned box in 1, 2 or 3 dimensions. Torus: `[origin, origin + side)`; window: closed on both ends.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Domain {
+    boundary: Boundary,
+    origin: Vec<f64>,
+    sides: Vec<f64>,
+}
+
+impl Domain {
+    /// The unit torus `[0, 1)^dim`. `dim` is clamped to 1..=3 by the callers' checks.
+    pub fn unit_torus(dim: usize) -> Self {
+        Self { boundary: Boundary::Torus, origin: vec![0.0; dim], sides: vec![1.0; dim] }
+    }
+
+    /// A torus `[0, L_k)` with the given sides.
+    pub fn torus(sides: &[f64]) -> Result<Self> {
+        Self::checked(Boundary::Torus, vec![0.0; sides.len()], sides.to_vec(), "--box", "L1,L2[,L3]")
+    }
+
+    /// A window given as `(low, high)` per axis.
+    pub fn window(ranges: &[(f64, f64)]) -> Result<Self> {
+        let origin = ranges.iter().map(|r| r.0).collect();
+        let sides = ranges.iter().map(|r| r.1 - r.0).collect();
+        Self::checked(Boundary::Window, origin, sides, "--window", "x0,x1,y0,y1[,z0,z1] with x0 < x1")
+    }
+
+    fn checked(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>, flag: &'static str, form: &str) -> Result<Self> {
+        if !(1..=3).contains(&sides.len()) {
+            let reason = format!("1, 2 or 3 axes are supported; expected {form}");
+            return Err(Error::setting(flag, format!("{} axes", sides.len()), reason));
+        }
+        for (&o, &s) in origin.iter().zip(&sides) {
+            // The square of a side and its inverse must stay normal numbers: distances are compared squared.
+            if !(o.is_finite() && s.is_finite() && s > 1e-100 && s < 1e100 && o.abs() < 1e100) {
+                let reason = format!("every side must be finite and between 1e-100 and 1e100; expected {form}");
+                return Err(Error::setting(flag, format!("origin {o}, side {s}"), reason));
+            }
+        }
+        let (min, max) = (min_of(&sides), max_of(&sides));
+        if max / min > 1e6 {
+            let reason = "the longest side may be at most 1e6 times the shortest";
+            return Err(Error::setting(flag, format!("{sides:?}"), reason));
+        }
+        Ok(Self { boundary, origin, sides })
+    }
+
+    /// Torus or window.
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    /// Whether the box wraps.
+    pub fn is_torus(&self) -> bool {
+        self.boundary == Boundary::Torus
+    }
+
+    /// Number of axes, 1 to 3.
+    pub fn dim(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// Low corner, per axis.
+    pub fn origin(&self) -> &[f64] {
+        &self.origin
+    }
+
+    /// Side lengths, per axis.
+    pub fn sides(&self) -> &[f64] {
+        &self.sides
+    }
+
+    /// The shortest side.
+    pub fn shortest_side(&self) -> f64 {
+        min_of(&self.sides)
+    }
+
+    /// Length, area or volume `|D|`.
+    pub fn measure(&self) -> f64 {
+        self.sides.iter().product()
+    }
+
+    /// Whether all sides are equal.
+    pub fn is_cubic(&self) -> bool {
+        self.sides.iter().all(|&s| s == self.sides[0])
+    }
+
+    /// The length that 2^64 fixed-point steps stand for, the same on every axis: the longest side of a torus, twice
+    /// the longest side of a window (so that a window fills at most half of the integer circle and never wraps).
+    pub fn length_unit(&self) -> f64 {
+        match self.boundary {
+            Boundary::Torus => max_of(&self.sides),
+            Boundary::Window => 2.0 * max_of(&self.sides),
+        }
+    }
+
+    /// Period of each axis in fixed-point steps of `length_unit() / 2^64`; 0 stands for 2^64 (the natural wrap of a
+    /// u64). A shorter side of a torus is rounded to the nearest step: relative error at most 2^-65 of the longest.
+    pub fn periods(&self) -> [u64; 3] {
+        let mut periods = [0; 3];
+        if self.is_torus() {
+            for (p, &side) in periods.iter_mut().zip(&self.sides) {
+                let ratio = side / self.length_unit();
+                // f64 -> u128 is exact here: 2^64 * ratio has at most 53 significant bits and is at least 2^44.
+                *p = if ratio == 1.0 { 0 } else { (ratio * 2f64.powi(64)) as u128 as u64 };
+            }
+        }
+        periods
+    }
+
+    /// Distance between neighbours in the closest packing of `n` points: hexagonal in 2D, `sqrt(2/(sqrt(3) lambda))`;
+    /// face-centred cubic in 3D, `(sqrt(2)/lambda)^(1/3)`; even spacing in 1D.
+    pub fn closest_packing_distance(&self, n: f64) -> f64 {
+        let intensity = n / self.measure();
+        match self.dim() {
+            1 => 1.0 / intensity,
+            2 => (2.0 / (3f64.sqrt() * intensity)).sqrt(),
+            _ => (2f64.sqrt() / intensity).cbrt(),
+        }
+    }
+}
+
+fn min_of(v: &[f64]) -> f64 {
+    v.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn max_of(v: &[f64]) -> f64 {
+    v.iter().copied().fold(0.0, f64::max)
+}

@@ -1,0 +1,228 @@
+//! 1. Points in: realizations of a pattern, checked once, kept as fixed-point fractions of the box.
+
+mod domain;
+
+pub use domain::{Boundary, Domain};
+
+use crate::error::{Error, Result};
+
+/// Points as a reader or a sampler delivers them, before the domain is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawPoints {
+    /// Number of coordinates per point.
+    pub dim: usize,
+    /// `n * dim` coordinates, point by point.
+    pub coordinates: Vec<f64>,
+    /// Where they come from, for error messages: `trees.csv`, or `batch.txt, realization 3`.
+    pub source: String,
+    /// The line of each point in its text file (1-based); empty for binary input.
+    pub lines: Vec<u64>,
+}
+
+impl RawPoints {
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.coordinates.len() / self.dim.max(1)
+    }
+
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.coordinates.is_empty()
+    }
+
+    /// Where point `j` stands, for error messages: `trees.csv:17` or `batch.npy, realization 0, point 16`.
+    pub fn place(&self, j: usize) -> String {
+        match self.lines.get(j) {
+            Some(line) => format!("{}:{line}", self.source),
+            None => format!("{}, point {j}", self.source),
+        }
+    }
+}
+
+/// Realizations of one point process in one domain, as fixed-point fractions, checked once and never changed.
+///
+/// Two integers stand for each coordinate `x` of axis `k`, both wrapping at 2^64:
+/// - the *fraction* `(x - origin_k) / side_k`, the argument of phases (`m . x mod 1` is exact for integer `m`);
+/// - the *length* `(x - origin_k) / length_unit`, the argument of distances (one step is the same length on every
+///   axis). They are the same integers on a cubic torus and are then stored once.
+///
+/// Each is the nearest multiple of 2^-64 to the f64 quotient, so the error is at most 2^-65 + 2^-54 relative.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ensemble {
+    domain: Domain,
+    /// Index of the first realization in the whole batch; the order of sums follows it.
+    first_index: u64,
+    /// `offsets[k]..offsets[k + 1]` are the points of realization `k`.
+    offsets: Vec<usize>,
+    fractions: Vec<Vec<u64>>,
+    /// `None` on a cubic torus, where lengths are the fractions.
+    lengths: Option<Vec<Vec<u64>>>,
+}
+
+impl Ensemble {
+    /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
+    /// window) a point outside is an error that names the point.
+    pub fn from_raw(raw: &[RawPoints], domain: &Domain, wrap: bool, first_index: u64) -> Result<Self> {
+        let dim = domain.dim();
+        let total = raw.iter().map(RawPoints::len).sum();
+        let mut offsets = Vec::with_capacity(raw.len() + 1);
+        offsets.push(0);
+        let mut fractions = vec![Vec::with_capacity(total); dim];
+        let unit = domain.length_unit();
+        let periods = domain.periods();
+        let own_lengths = !(domain.is_torus() && domain.is_cubic());
+        let mut lengths = vec![Vec::with_capacity(if own_lengths { total } else { 0 }); dim];
+        for set in raw {
+            if set.dim != dim {
+                let reason = format!("points have {} coordinates, the domain has {dim} axes", set.dim);
+                return Err(Error::input(&set.source, reason));
+            }
+            for (j, point) in set.coordinates.chunks_exact(dim).enumerate() {
+                for (k, &x) in point.iter().enumerate() {
+                    let fraction = fraction(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
+                    // The far end of a closed window is the one fraction that does not fit: 1 = 0 for a phase.
+                    fractions[k].push(fixed_point(fraction));
+                    if own_lengths {
+                        lengths[k].push(if domain.is_torus() {
+                            scale_to_period(fixed_point(fraction), periods[k])
+                        } else {
+                            fixed_point((x - domain.origin()[k]) / unit)
+                        });
+                    }
+                }
+            }
+            offsets.push(fractions[0].len());
+        }
+        let lengths = own_lengths.then_some(lengths);
+        Ok(Self { domain: domain.clone(), first_index, offsets, fractions, lengths })
+    }
+
+    /// The domain.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Number of realizations held here.
+    pub fn realizations(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Index of the first of them in the whole batch.
+    pub fn first_index(&self) -> u64 {
+        self.first_index
+    }
+
+    /// Number of points in realization `k` (counted from the first held here).
+    pub fn points_in(&self, k: usize) -> usize {
+        self.offsets[k + 1] - self.offsets[k]
+    }
+
+    /// Number of points in all realizations held here.
+    pub fn total_points(&self) -> usize {
+        self.fractions[0].len()
+    }
+
+    /// The range of realization `k` within `all_fractions` and `all_lengths`.
+    pub fn range(&self, k: usize) -> std::ops::Range<usize> {
+        self.offsets[k]..self.offsets[k + 1]
+    }
+
+    /// Fractions of the own side along `axis`, all realizations back to back.
+    pub fn all_fractions(&self, axis: usize) -> &[u64] {
+        &self.fractions[axis]
+    }
+
+    /// Positions along `axis` in steps of `length_unit / 2^64`, all realizations back to back.
+    pub fn all_lengths(&self, axis: usize) -> &[u64] {
+        self.lengths.as_ref().map_or(&self.fractions[axis], |l| &l[axis])
+    }
+
+    /// Per axis, the fractions of realization `k`.
+    pub fn fractions(&self, k: usize) -> Vec<&[u64]> {
+        (0..self.domain.dim()).map(|a| &self.all_fractions(a)[self.range(k)]).collect()
+    }
+
+    /// Per axis, the lengths of realization `k`.
+    pub fn lengths(&self, k: usize) -> Vec<&[u64]> {
+        (0..self.domain.dim()).map(|a| &self.all_lengths(a)[self.range(k)]).collect()
+    }
+
+    /// Position of point `j` of realization `k` in the domain's own units.
+    pub fn position(&self, k: usize, j: usize) -> Vec<f64> {
+        let unit = self.domain.length_unit() / 2f64.powi(64);
+        (0..self.domain.dim())
+            .map(|a| self.domain.origin()[a] + self.all_lengths(a)[self.offsets[k] + j] as f64 * unit)
+            .collect()
+    }
+
+    /// A copy of realizations `range` (counted from the first held here).
+    pub fn slice(&self, range: std::ops::Range<usize>) -> Self {
+        let points = self.offsets[range.start]..self.offsets[range.end];
+        let cut = |axes: &Vec<Vec<u64>>| axes.iter().map(|a| a[points.clone()].to_vec()).collect();
+        Self {
+            domain: self.domain.clone(),
+            first_index: self.first_index + range.start as u64,
+            offsets: self.offsets[range.start..=range.end].iter().map(|o| o - points.start).collect(),
+            fractions: cut(&self.fractions),
+            lengths: self.lengths.as_ref().map(cut),
+        }
+    }
+
+    /// Number of points that coincide with an earlier point of the same realization.
+    pub fn duplicates(&self) -> u64 {
+        let mut duplicates = 0;
+        for k in 0..self.realizations() {
+            let axes = self.fractions(k);
+            let mut keys: Vec<[u64; 3]> =
+                (0..self.points_in(k)).map(|j| std::array::from_fn(|a| axes.get(a).map_or(0, |x| x[j]))).collect();
+            keys.sort_unstable();
+            duplicates += keys.windows(2).filter(|w| w[0] == w[1]).count() as u64;
+        }
+        duplicates
+    }
+}
+
+/// `x` as a fraction of its side: in [0, 1) on a torus, in [0, 1] in a window, `None` outside.
+fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
+    let f = (x - domain.origin()[axis]) / domain.sides()[axis];
+    if !f.is_finite() {
+        return None;
+    }
+    if domain.is_torus() {
+        match (wrap, (0.0..1.0).contains(&f)) {
+            (_, true) => Some(f),
+            (true, false) => Some(f - f.floor()),
+            (false, false) => None,
+        }
+    } else {
+        (0.0..=1.0).contains(&f).then_some(f)
+    }
+}
+
+/// The nearest multiple of 2^-64, modulo 1.
+fn fixed_point(fraction: f64) -> u64 {
+    // Scaling by a power of two is exact; u128 holds the one value 2^64 that wraps to 0.
+    (fraction * 2f64.powi(64)).round_ties_even() as u128 as u64
+}
+
+/// `fraction * period / 2^64`, rounded to nearest, modulo the period (0 stands for 2^64).
+fn scale_to_period(fraction: u64, period: u64) -> u64 {
+    if period == 0 {
+        return fraction;
+    }
+    let scaled = ((u128::from(fraction) * u128::from(period) + (1 << 63)) >> 64) as u64;
+    if scaled == period { 0 } else { scaled }
+}
+
+fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> Error {
+    let name = ["x", "y", "z"][axis];
+    let (lo, hi) = (domain.origin()[axis], domain.origin()[axis] + domain.sides()[axis]);
+    let reason = if !x.is_finite() {
+        format!("{name} = {x} is not a finite number")
+    } else if domain.is_torus() {
+        format!("{name} = {x} is outside [{lo}, {hi}); --wrap folds points in, --box sets the sides, --window a window")
+    } else {
+        format!("{name} = {x} is outside the window [{lo}, {hi}]; --window x0,x1,y0,y1 sets it")
+    };
+    Error::input(set.place(j), reason)
+}
