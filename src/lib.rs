@@ -7,6 +7,8 @@
 //! points -> plan -> compute (gpu | cpu | reference) -> accumulate -> estimate -> report
 //! ```
 
+#![warn(unreachable_pub)]
+
 pub mod accumulate;
 pub mod compute;
 mod error;
