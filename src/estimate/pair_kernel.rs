@@ -7,7 +7,7 @@ use crate::plan::{MAX_BINS, PairPlan, RadialBins};
 use crate::points::Domain;
 
 /// The shape of a smoothing kernel. Bandwidth is its standard deviation (spatstat's convention).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SmoothingKernel {
     /// `3/4 (1 - (x/h)^2) / h`, half-width `h = sqrt(5) bandwidth`.

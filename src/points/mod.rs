@@ -168,6 +168,19 @@ impl Ensemble {
         }
     }
 
+    /// The same fractions in another torus of the same dimension.
+    pub fn stretched(&self, domain: &Domain) -> Self {
+        if *domain == self.domain {
+            return self.clone();
+        }
+        let periods = domain.periods();
+        let lengths = (!domain.is_cubic()).then(|| {
+            let axes = self.fractions.iter().zip(periods);
+            axes.map(|(axis, period)| axis.iter().map(|&f| scale_to_period(f, period)).collect()).collect()
+        });
+        Self { domain: domain.clone(), lengths, ..self.clone() }
+    }
+
     /// Number of points that coincide with an earlier point of the same realization.
     pub fn duplicates(&self) -> u64 {
         let mut duplicates = 0;
