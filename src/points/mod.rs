@@ -195,20 +195,19 @@ impl Ensemble {
     }
 }
 
-/// `x` as a fraction of its side: in [0, 1) on a torus, in [0, 1] in a window, `None` outside.
+/// `x` as a fraction of its side: in [0, 1) on a torus (1 where folding rounds up to it, which is 0 again), in [0, 1] in a
+/// window, `None` outside.
 fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
-    let f = (x - domain.origin()[axis]) / domain.sides()[axis];
-    if !f.is_finite() {
+    let side = domain.sides()[axis];
+    let offset = x - domain.origin()[axis];
+    if !offset.is_finite() {
         return None;
     }
-    if domain.is_torus() {
-        match (wrap, (0.0..1.0).contains(&f)) {
-            (_, true) => Some(f),
-            (true, false) => Some(f - f.floor()),
-            (false, false) => None,
-        }
-    } else {
-        (0.0..=1.0).contains(&f).then_some(f)
+    match (domain.is_torus(), wrap) {
+        // The remainder is exact; dividing first would lose the digits that the whole turns take up.
+        (true, true) => Some(offset.rem_euclid(side) / side),
+        (true, false) => (0.0..side).contains(&offset).then_some(offset / side),
+        (false, _) => (0.0..=side).contains(&offset).then_some(offset / side),
     }
 }
 
