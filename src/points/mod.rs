@@ -1,6 +1,8 @@
 //! 1. Points in: realizations of a pattern, checked once, kept as fixed-point fractions of the box.
 
 mod domain;
+pub mod read;
+pub mod write;
 
 pub use domain::{Boundary, Domain};
 
