@@ -93,7 +93,7 @@ pub fn registry() -> &'static [&'static dyn Sampler] {
 pub fn find(name: &str) -> Result<&'static dyn Sampler> {
     registry().iter().find(|s| s.name() == name).copied().ok_or_else(|| {
         let names: Vec<_> = registry().iter().map(|s| s.name()).collect();
-        let hint = nearest(name, &names).map_or(String::new(), |near| format!(", did you mean {near}?"));
+        let hint = nearest(name, &names).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
         Error::setting("--sampler", name, format!("no such sampler{hint}; expected one of {}", names.join(", ")))
     })
 }

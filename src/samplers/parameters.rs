@@ -140,7 +140,7 @@ fn unknown(sampler: &dyn Sampler, key: &str) -> String {
         return format!("{name} has no parameters");
     }
     let names: Vec<_> = parameters.iter().map(|p| p.name).collect();
-    let hint = nearest(key, &names).map_or(String::new(), |near| format!(", did you mean {near}?"));
+    let hint = nearest(key, &names).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
     let known: Vec<_> =
         parameters.iter().map(|p| format!("{} ({}, default {})", p.name, p.accepts, p.default)).collect();
     format!("{name} has no parameter {key}{hint}; expected {}", known.join(", "))
