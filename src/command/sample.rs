@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use pairwave::Result;
 use pairwave::points::write::write;
 use pairwave::source::Process;
-use pairwave::Result;
 
 use super::print;
 use super::progress::stop_on_interrupt;
@@ -50,8 +50,7 @@ pub(crate) struct Sample {
 impl Sample {
     pub(crate) fn run(self) -> Result<()> {
         let control = stop_on_interrupt()?;
-        let process =
-            Process::new(&self.name, self.points, self.realizations, self.dim, self.seed, &self.params)?;
+        let process = Process::new(&self.name, self.points, self.realizations, self.dim, self.seed, &self.params)?;
         let mut realizations = (0..self.realizations).map(|index| {
             control.check()?;
             process.realization(index)
@@ -60,6 +59,12 @@ impl Sample {
         if self.quiet {
             return Ok(());
         }
-        print(&format!("{}: {} realizations of {}, n = {}\n", self.out.display(), self.realizations, self.name, self.points))
+        print(&format!(
+            "{}: {} realizations of {}, n = {}\n",
+            self.out.display(),
+            self.realizations,
+            self.name,
+            self.points
+        ))
     }
 }

@@ -8,7 +8,7 @@ pub(crate) fn run() -> Result<()> {
     for sampler in registry() {
         text += &format!("{:<14} {}\n", sampler.name(), sampler.summary());
         for p in sampler.parameters() {
-            text += &format!("{:14} --param {}={}  {} ({})\n", "", p.name, p.default, p.help, p.range());
+            text += &format!("{:14} --param {}={}  {} ({})\n", "", p.name, p.default, p.help, p.accepts);
         }
     }
     super::print(&text)
