@@ -1,1 +1,3 @@
 //! estimate
+mod neighbors;
+pub use neighbors::*;
