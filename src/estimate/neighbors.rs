@@ -3,7 +3,7 @@
 //! For each point of a realization the distance to the nearest other point, `d_i = min_(j != i) |x_i - x_j|` (minimum image
 //! on a torus, plain in a window, no edge correction: near the edge of a window d_i is too long on average). Reported
 //! are the least d_i and their mean, also relative to the distance in the closest packing of as many points (Lagae,
-//! Dutre, "A Comparison of Methods for Generating Poisson Disk Distributions", CGF 2008, section 3.1).
+//! Dutre, "A Comparison of Methods for Generating Poisson Disk Distributions", CGF 2008).
 //!
 //! Which point is nearest is decided in the integers of the ensemble, as in `compute::reference`: a k-d tree in f64 proposes
 //! candidates, and exact squared distances choose. Only the final root is rounded.
@@ -18,10 +18,10 @@ use crate::compute::reference::squared_distance;
 use crate::error::{Error, Result};
 use crate::points::{Domain, Ensemble};
 
-/// Nearest-neighbour distances of realizations, in the order of their index. A merge of parts equals the whole, bit for bit,
-/// however the batch was cut.
+/// Nearest-neighbour distances realization by realization, in the order of their index. A merge of parts equals the whole,
+/// bit for bit, however the batch was cut.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
-pub struct NeighborDistances {
+pub struct NearestNeighbors {
     realizations: Vec<RealizationNeighbors>,
 }
 
@@ -47,32 +47,23 @@ pub struct Distances {
     pub closest_packing: f64,
 }
 
-/// Nearest-neighbour distances of a batch.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct NeighborSummary {
-    /// Number of realizations with at least two points; the others do not enter.
-    pub realizations: u64,
-    /// Distance of the closest pair of all realizations.
-    pub minimum: f64,
-    /// The least of the minima relative to `d_hex` of their realization's n.
-    pub minimum_relative: f64,
-    /// Mean over realizations of the mean distance.
-    pub mean: MeanWithError,
-    /// Mean over realizations of the mean distance relative to `d_hex` of the realization's n.
-    pub mean_relative: MeanWithError,
-}
-
-/// A mean over realizations.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct MeanWithError {
-    /// The mean.
-    pub value: f64,
-    /// Its standard error; `None` for a single realization.
-    pub standard_error: Option<f64>,
+/// Nearest-neighbour distances of a batch, over the realizations that have two points or more.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct NeighborDistances {
+    /// Smallest over all realizations, in the domain's length unit; `None` if no realization has two points.
+    pub minimum: Option<f64>,
+    /// Mean over points, then over realizations.
+    pub mean: Option<f64>,
+    /// Standard error of `mean` across realizations (K >= 2).
+    pub mean_se: Option<f64>,
+    /// Smallest over realizations of the minimum in units of the closest-packing distance of the realization's n.
+    pub minimum_relative: Option<f64>,
+    /// Mean over realizations of the mean in units of the closest-packing distance of the realization's n.
+    pub mean_relative: Option<f64>,
 }
 
 /// Nearest-neighbour distances of every realization.
-pub fn neighbor_distances(ensemble: &Ensemble, control: &Control) -> Result<NeighborDistances> {
+pub fn neighbor_distances(ensemble: &Ensemble, control: &Control) -> Result<NearestNeighbors> {
     let domain = ensemble.domain();
     let realizations = (0..ensemble.realizations()).into_par_iter().map(|k| {
         control.check()?;
@@ -91,10 +82,10 @@ pub fn neighbor_distances(ensemble: &Ensemble, control: &Control) -> Result<Neig
             distances,
         })
     });
-    Ok(NeighborDistances { realizations: realizations.collect::<Result<_>>()? })
+    Ok(NearestNeighbors { realizations: realizations.collect::<Result<_>>()? })
 }
 
-impl NeighborDistances {
+impl NearestNeighbors {
     /// Per realization, ordered by index.
     pub fn realizations(&self) -> &[RealizationNeighbors] {
         &self.realizations
@@ -112,26 +103,31 @@ impl NeighborDistances {
         Ok(())
     }
 
-    /// The whole batch in a few numbers; `None` if no realization has two points.
-    pub fn summary(&self) -> Option<NeighborSummary> {
+    /// The whole batch in a few numbers.
+    pub fn summary(&self) -> NeighborDistances {
         let all: Vec<Distances> = self.realizations.iter().filter_map(|r| r.distances).collect();
-        let least = |f: &dyn Fn(&Distances) -> f64| all.iter().map(f).fold(f64::INFINITY, f64::min);
-        let mean = |f: &dyn Fn(&Distances) -> f64| mean_with_error(&all.iter().map(f).collect::<Vec<_>>());
-        (!all.is_empty()).then(|| NeighborSummary {
-            realizations: all.len() as u64,
-            minimum: least(&|d| d.minimum),
-            minimum_relative: least(&|d| d.minimum / d.closest_packing),
-            mean: mean(&|d| d.mean),
-            mean_relative: mean(&|d| d.mean / d.closest_packing),
-        })
+        let least = |f: fn(&Distances) -> f64| all.iter().map(f).reduce(f64::min);
+        let means: Vec<f64> = all.iter().map(|d| d.mean).collect();
+        NeighborDistances {
+            minimum: least(|d| d.minimum),
+            mean: mean(&means),
+            mean_se: standard_error(&means),
+            minimum_relative: least(|d| d.minimum / d.closest_packing),
+            mean_relative: mean(&all.iter().map(|d| d.mean / d.closest_packing).collect::<Vec<_>>()),
+        }
     }
 }
 
-fn mean_with_error(values: &[f64]) -> MeanWithError {
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Of the mean, from the spread of the values; `None` for fewer than two.
+fn standard_error(values: &[f64]) -> Option<f64> {
+    let mean = mean(values).filter(|_| values.len() >= 2)?;
+    let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
     let k = values.len() as f64;
-    let value = values.iter().sum::<f64>() / k;
-    let variance = values.iter().map(|x| (x - value).powi(2)).sum::<f64>() / (k - 1.0);
-    MeanWithError { value, standard_error: (values.len() >= 2).then(|| (variance / k).sqrt()) }
+    Some((squares / (k * (k - 1.0))).sqrt())
 }
 
 /// Per point, in an order that depends on the points alone, the exact squared distance to its nearest neighbour in squared
@@ -377,16 +373,16 @@ mod tests {
         for dim in 1..=3 {
             for domain in domains(dim) {
                 let equal = one(&domain, into(&domain, &vec![0.25; 200_000 * dim]));
-                let summary = neighbor_distances(&equal, &Control::default()).unwrap().summary().unwrap();
-                assert_eq!((summary.minimum, summary.mean.value, summary.realizations), (0.0, 0.0, 1));
+                let summary = neighbor_distances(&equal, &Control::default()).unwrap().summary();
+                assert_eq!((summary.minimum, summary.mean, summary.mean_se), (Some(0.0), Some(0.0), None));
                 // One point alone, far from a hundred thousand equal ones.
                 let mut but_one = vec![0.25; 100_000 * dim];
                 but_one[..dim].fill(0.75);
                 let but_one = one(&domain, into(&domain, &but_one));
-                let found = neighbor_distances(&but_one, &Control::default()).unwrap().summary().unwrap();
+                let found = neighbor_distances(&but_one, &Control::default()).unwrap().summary().mean.unwrap();
                 let expected = squared_distance(&but_one.lengths(0), domain.periods(), 0, 1) as f64;
                 let mean = expected.sqrt() * domain.length_unit() / 2f64.powi(64) / 1e5;
-                assert!((found.mean.value / mean - 1.0).abs() < 1e-15, "{dim}D: {} against {mean}", found.mean.value);
+                assert!((found / mean - 1.0).abs() < 1e-15, "{dim}D: {} against {mean}", found);
             }
         }
     }
@@ -410,18 +406,19 @@ mod tests {
         };
         assert_eq!((pair.n, pair.distances), (2, distances(1.0, 1.0, 2.0)));
         assert_eq!((triple.n, triple.distances), (3, distances(0.5, 1.75 / 3.0, 3.0)));
-        let summary = whole.summary().unwrap();
-        assert_eq!((summary.realizations, summary.minimum), (2, 0.5));
-        assert_eq!(summary.mean.value, (1.0 + 1.75 / 3.0) / 2.0);
+        let summary = whole.summary();
+        assert_eq!((summary.minimum, summary.mean), (Some(0.5), Some((1.0 + 1.75 / 3.0) / 2.0)));
         // Two values a and b: |a - b| / 2.
-        let error = summary.mean.standard_error.unwrap();
+        let error = summary.mean_se.unwrap();
         assert!((error - (1.0 - 1.75 / 3.0) / 2.0).abs() < 1e-15, "{error}");
-        assert_eq!(summary.minimum_relative, 0.5 / triple.distances.unwrap().closest_packing);
+        assert_eq!(summary.minimum_relative, Some(0.5 / triple.distances.unwrap().closest_packing));
+        let relative = [pair, triple].map(|r| r.distances.map(|d| d.mean / d.closest_packing).unwrap());
+        assert_eq!(summary.mean_relative, Some((relative[0] + relative[1]) / 2.0));
 
         let nobody = neighbor_distances(&ensemble.slice(0..2), &Control::default()).unwrap();
-        assert_eq!(nobody.summary(), None);
+        assert_eq!(nobody.summary(), NeighborDistances::default());
         let alone = neighbor_distances(&ensemble.slice(1..3), &Control::default()).unwrap();
-        assert_eq!(alone.summary().unwrap().mean.standard_error, None);
+        assert_eq!((alone.summary().mean, alone.summary().mean_se), (Some(1.0), None));
 
         let mut parts = neighbor_distances(&ensemble.slice(2..4), &Control::default()).unwrap();
         assert!(parts.merge(&alone).unwrap_err().to_string().contains("both parts hold realization 12"));
@@ -437,9 +434,9 @@ mod tests {
         let control = Control::default();
         let n = 2000;
         let ensemble = crate::samplers::ensemble(sampler, n, 2, 1, 0..200, &values, &control).unwrap();
-        let mean = neighbor_distances(&ensemble, &control).unwrap().summary().unwrap().mean;
+        let found = neighbor_distances(&ensemble, &control).unwrap().summary();
         let expected = 0.5 / (n as f64).sqrt() * (1.0 + 1.0 / 8.0 / n as f64);
-        let z = (mean.value - expected) / mean.standard_error.unwrap();
+        let z = (found.mean.unwrap() - expected) / found.mean_se.unwrap();
         assert!(z.abs() < 4.0, "{z} standard errors off");
     }
 
