@@ -17,7 +17,7 @@ pub(super) struct PoissonDisk;
 /// The relative radius at which dart throwing jams for n to infinity, by dimension.
 const JAMMED: [f64; 3] = [0.7476, 0.7767, 0.8035];
 
-/// Darts per point before a run is given up: within 1 % of jamming in 2D most runs end well before.
+/// Darts per point before a run is given up; radius 0.76 in 2D, 2 % from jamming, is reached well before.
 const DARTS_PER_POINT: u64 = 1000;
 
 impl Sampler for PoissonDisk {

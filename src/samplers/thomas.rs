@@ -3,7 +3,7 @@
 //! children are points, so their number is random, with mean n and variance n (1 + mu).
 //!
 //! The difference of two children of one parent is a wrapped Gaussian of standard deviation `sqrt(2) sigma`. Exactly on
-//! the torus (Illian et al. 2008, section 6.3.2, in units of lambda^2; the pairs sum to `E[N (N - 1)] = n^2 (1 + mu / n)`):
+//! the torus (Illian et al. 2008 for g in units of lambda^2; here the pairs sum to `E[N (N - 1)] = n^2 (1 + mu / n)`):
 //!
 //! ```text
 //! P(m) = 1 + mu exp(-4 pi^2 sigma^2 |m|^2)
