@@ -8,8 +8,8 @@ use crate::accumulate::{PairCounts, WavePower};
 use crate::compute::{Compute, ComputedBy, Control, cpu::Cpu};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    Kernel, KernelEstimate, NeighborDistances, NeighborSums, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum,
+    Kernel, KernelEstimate, NearestNeighbors, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
+    RadialSpectrum, neighbor_distances,
 };
 use crate::plan::{Accuracy, BinScale, Correction, EnsembleShape, PairPlan, RadialBins, Rings, WaveGrid, WavePlan};
 use crate::points::{Domain, Ensemble};
@@ -110,7 +110,8 @@ impl Plan {
         } else {
             None
         };
-        let batches = [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
+        let batches =
+            [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().min().unwrap_or(4096);
         let plan = Self {
@@ -157,11 +158,8 @@ impl std::fmt::Display for Plan {
         if self.neighbors {
             writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
         }
-        let skipped = [
-            (self.pairs.is_none(), "pcf"),
-            (self.waves.is_none(), "spectrum"),
-            (!self.neighbors, "neighbors"),
-        ];
+        let skipped =
+            [(self.pairs.is_none(), "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
             writeln!(f, "skipped: {name} (not asked for)")?;
         }
@@ -236,7 +234,7 @@ pub fn run(
     let mut pairs: Option<PairCounts> = None;
     let mut fine: Option<PairCounts> = None;
     let mut waves: Option<WavePower> = None;
-    let mut neighbors = NeighborSums::default();
+    let mut neighbors: Option<NearestNeighbors> = None;
     let mut duplicates = 0;
     let mut points = (u64::MAX, 0u64, 0u64);
     let mut first = None;
@@ -282,7 +280,11 @@ pub fn run(
         }
         if plan.neighbors {
             tell("neighbors");
-            clock.time("neighbors", || neighbors.add(&batch, control))?;
+            let part = clock.time("neighbors", || neighbor_distances(&batch, control))?;
+            match &mut neighbors {
+                Some(found) => found.merge(&part)?,
+                None => neighbors = Some(part),
+            }
         }
         if first.is_none() {
             first = Some(batch.slice(0..1));
@@ -336,7 +338,7 @@ pub fn run(
         spectrum: spectrum.filter(|_| plan.grid_wanted),
         radial,
         rings: plan.waves.as_ref().map(|w| w.rings.clone()),
-        neighbors: plan.neighbors.then(|| neighbors.distances(source.domain())),
+        neighbors: neighbors.map(|n| n.summary()),
         closed_form,
         accuracy: request.accuracy,
         computed_by,
@@ -381,8 +383,12 @@ fn closed_form(source: &Source, plan: &Plan, normalization: Normalization, g: Op
     let Some(process) = source.process().filter(|_| source.domain().is_cubic()) else { return ClosedForm::default() };
     let side = source.domain().shortest_side();
     let n = process.n as f64;
-    let factor = if normalization == Normalization::Intensity { (n - 1.0) / n } else { 1.0 };
-    let g = g.and_then(|g| g.r.iter().map(|r| Some(process.pair_correlation(r / side)? * factor)).collect());
+    // What turns n(n-1) into n^2 is a number only where n is one.
+    let factor = match normalization {
+        Normalization::Pairs => Some(1.0),
+        Normalization::Intensity => process.sampler.fixed_n().then_some((n - 1.0) / n),
+    };
+    let g = g.and_then(|g| g.r.iter().map(|r| Some(process.pair_correlation(r / side)? * factor?)).collect());
     let radial = plan.waves.as_ref().and_then(|plan| {
         let mut sums = vec![0.0; plan.rings.count];
         for (index, &ring) in plan.rings.ring_of.iter().enumerate().filter(|(_, ring)| **ring > 0) {

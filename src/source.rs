@@ -168,7 +168,11 @@ fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
         return Domain::window(&window.chunks_exact(2).map(|r| (r[0], r[1])).collect::<Vec<_>>());
     }
     if request.domain == Some(Boundary::Window) {
-        return Err(Error::setting("--domain", "window", "needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed"));
+        return Err(Error::setting(
+            "--domain",
+            "window",
+            "needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+        ));
     }
     match &request.sides {
         Some(sides) if sides.len() != dim => {
