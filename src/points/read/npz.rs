@@ -31,6 +31,9 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Vec<RawPoints>> {
         // The size that the archive claims is not trusted: the buffer grows with what is there.
         let mut file = archive.by_name(&entry).map_err(|e| damaged(&place, &e))?;
         file.read_to_end(&mut content).map_err(|e| damaged(&place, &e))?;
+        if !content.starts_with(npy::MAGIC) {
+            return Err(Error::input(place, "not a .npy array"));
+        }
         sets.extend(super::numbered(&place, npy::read(&place, &content)?));
     }
     Ok(sets)
