@@ -1,1 +1,78 @@
-//! The native path: threads and SIMD.
+//! The native path: threads and SIMD. Formulas, index ranges and signs stand in `reference`; here is only how the fast
+//! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
+//! and every f64 is made by the same additions in the same order.
+
+mod pair_counts;
+mod phase_tables;
+mod simd;
+mod wave_power;
+
+pub use phase_tables::{cos_sin_f32, cos_sin_f64};
+pub use simd::{SimdLevel, fma_gflop};
+
+use super::{Backend, Compute, ComputedBy, Control};
+use crate::accumulate::{PairCounts, WavePower};
+use crate::error::{Error, Result};
+use crate::plan::{PairPlan, WavePlan};
+use crate::points::Ensemble;
+
+/// More threads than this are a typing error.
+const MAX_THREADS: usize = 4096;
+
+/// The native implementation with its own pool of threads.
+#[derive(Debug)]
+pub struct Cpu {
+    pool: rayon::ThreadPool,
+    level: SimdLevel,
+}
+
+impl Cpu {
+    /// A pool of `threads` threads (as many as the machine offers if `None`), and the best SIMD the processor has.
+    pub fn new(threads: Option<usize>) -> Result<Self> {
+        Self::with_level(threads, SimdLevel::detect())
+    }
+
+    /// The same with an instruction set chosen by hand, so that tests reach each of them. A level this processor lacks
+    /// falls back to the best it has.
+    #[doc(hidden)]
+    pub fn with_level(threads: Option<usize>, level: SimdLevel) -> Result<Self> {
+        if let Some(t) = threads
+            && !(1..=MAX_THREADS).contains(&t)
+        {
+            return Err(Error::setting("--threads", t, format!("expected 1 to {MAX_THREADS}")));
+        }
+        // 0 lets rayon ask the operating system.
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.unwrap_or(0))
+            .thread_name(|k| format!("pairwave-{k}"))
+            .build()
+            .map_err(|e| Error::setting("--threads", threads.unwrap_or(0), format!("cannot start threads: {e}")))?;
+        Ok(Self { pool, level: level.min(SimdLevel::detect()) })
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// The instruction set in use.
+    pub fn level(&self) -> SimdLevel {
+        self.level
+    }
+}
+
+impl Compute for Cpu {
+    fn computed_by(&self) -> ComputedBy {
+        let threads = self.threads();
+        let s = if threads == 1 { "" } else { "s" };
+        ComputedBy::new(Backend::Cpu, format!("cpu ({}, {threads} thread{s})", self.level.name()))
+    }
+
+    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
+        pair_counts::pair_counts(self, plan, ensemble, control)
+    }
+
+    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+        wave_power::wave_power(self, plan, ensemble, control)
+    }
+}

@@ -1,0 +1,142 @@
+//! Throughput of the native path on one thread, next to the multiply-add rate of the same core in the same process.
+//! Rates are per second of processor time where the system tells it, so that other load hardly matters; each is the best
+//! of several repetitions, and the calibrator runs between them.
+
+use std::time::Instant;
+
+use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
+use pairwave::compute::{Compute, Control};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use pairwave::points::{Domain, Ensemble, RawPoints};
+
+const REPETITIONS: usize = 5;
+
+fn main() {
+    for level in [SimdLevel::Portable, SimdLevel::Avx2, SimdLevel::Avx512] {
+        if level <= SimdLevel::detect() {
+            table(level);
+        }
+    }
+}
+
+fn table(level: SimdLevel) {
+    let Ok(cpu) = Cpu::with_level(Some(1), level) else { return };
+    println!("\n{}", cpu.computed_by().device);
+    println!("{:<44} {:>10} {:>12} {:>12}", "", "rate", "unit", "per GFLOP/s");
+    let mut limit = calibrate(level);
+    for (dim, bins) in [(2, 256), (2, 1024), (3, 256)] {
+        let n = 10_000;
+        let ensemble = uniform(dim, n, 1);
+        let name = |what: &str| format!("pairs {dim}D, n = {n}, r < 0.5, {bins} {what}bins");
+        for (what, bins) in [
+            ("", RadialBins::linear(0.5, bins)),
+            ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins)),
+        ] {
+            let Ok(bins) = bins else { continue };
+            let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape(&ensemble)) else { continue };
+            let rate = best(level, &mut limit, plan.pairs() * 1e-9, || {
+                let counts = cpu.pair_counts(&plan, &ensemble, &Control::default());
+                assert!(counts.is_ok());
+            });
+            print(&name(what), rate, "Gpair/s", limit);
+        }
+    }
+    for (accuracy, n, k, m) in [
+        (Accuracy::Fast, 1024, 16, 64),
+        (Accuracy::Fast, 65_536, 1, 64),
+        (Accuracy::Fast, 16_384, 1, 256),
+        (Accuracy::High, 16_384, 1, 64),
+        (Accuracy::High, 8192, 1, 256),
+    ] {
+        let ensemble = uniform(2, n, k);
+        let Ok(grid) = WaveGrid::new(&[m, m]) else { continue };
+        let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape(&ensemble)) else { continue };
+        let gflop = 8.0 * (n * k) as f64 * f64::from((m + 1) * (m + 1)) * 1e-9;
+        let rate = best(level, &mut limit, gflop, || {
+            assert!(cpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+        });
+        print(&format!("spectrum 2D {}, {k} x n = {n}, M = {m}", accuracy.name()), rate, "GFLOP/s", limit);
+    }
+    println!("{:<44} {limit:>10.2} {:>12}", "f32 multiply-add limit", "GFLOP/s");
+}
+
+fn print(name: &str, rate: f64, unit: &str, limit: f64) {
+    println!("{name:<44} {rate:>10.3} {unit:>12} {:>12.4}", rate / limit);
+}
+
+/// The best rate in `amount` per second.
+fn best(level: SimdLevel, limit: &mut f64, amount: f64, work: impl Fn()) -> f64 {
+    let mut best = 0.0;
+    for _ in 0..REPETITIONS {
+        // Long enough for the clock: at least 0.2 s.
+        let (mut done, start) = (0.0, Clock::now());
+        while start.seconds() < 0.2 {
+            work();
+            done += amount;
+        }
+        best = f64::max(best, done / start.seconds());
+        *limit = limit.max(calibrate(level));
+    }
+    best
+}
+
+/// GFLOP/s of f32 multiply-adds.
+fn calibrate(level: SimdLevel) -> f64 {
+    let start = Clock::now();
+    let (gflop, value) = fma_gflop(level, 20_000_000);
+    std::hint::black_box(value);
+    gflop / start.seconds()
+}
+
+/// Processor time of all threads of this process, or wall time where the system does not tell.
+struct Clock {
+    processor: Option<f64>,
+    wall: Instant,
+}
+
+impl Clock {
+    fn now() -> Self {
+        Self { processor: processor_seconds(), wall: Instant::now() }
+    }
+
+    fn seconds(&self) -> f64 {
+        match (self.processor, processor_seconds()) {
+            (Some(a), Some(b)) => b - a,
+            _ => self.wall.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+fn processor_seconds() -> Option<f64> {
+    let mut total = 0.0;
+    for task in std::fs::read_dir("/proc/self/task").ok()? {
+        let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
+        total += text.split(' ').next()?.parse::<f64>().ok()? * 1e-9;
+    }
+    Some(total)
+}
+
+fn uniform(dim: usize, n: usize, realizations: usize) -> Ensemble {
+    let mut state = 1u64;
+    let mut unit = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / 2f64.powi(53)
+    };
+    let sets: Vec<RawPoints> = (0..realizations)
+        .map(|_| RawPoints {
+            dim,
+            coordinates: (0..n * dim).map(|_| unit()).collect(),
+            source: "uniform".into(),
+            lines: Vec::new(),
+        })
+        .collect();
+    Ensemble::from_raw(&sets, &Domain::unit_torus(dim), false, 0).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn shape(ensemble: &Ensemble) -> EnsembleShape {
+    EnsembleShape {
+        realizations: ensemble.realizations() as u64,
+        mean_points: ensemble.points_in(0) as f64,
+        max_points: ensemble.points_in(0) as u64,
+    }
+}

@@ -1,0 +1,362 @@
+//! Pair counts, two-phase: f32 puts almost every pair into its bin, and the few whose distance is too near to an edge
+//! for f32 to tell are settled by the definition in integers. Formula: see `reference`.
+//!
+//! 1. Coordinates are rounded to 32 bits. On a torus a wrapping difference read as i32 is then the minimum image.
+//! 2. `simd::rows` writes the bin of each pair of one row into a short buffer, and lists the undecided pairs.
+//! 3. The buffer is scattered into a histogram (of several copies, so that equal distances in a row do not wait for each
+//!    other). Computing and scattering in turns keeps both loops free of branches.
+//!
+//! Work is cut into blocks of rows `i`, each against all `j > i`; the sums are integers, so any thread may take any
+//! block. The cut into (block of rows, contiguous range of columns) is the kernel's interface.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::Cpu;
+use super::simd::{self, COLUMNS, LANES, Linear, Rows, SimdLevel};
+use crate::accumulate::{PairCounts, PairHistogram, WEIGHT_STEPS};
+use crate::compute::{Compute, Control, reference};
+use crate::error::Result;
+use crate::plan::{BinFilter, BinTable, PairPlan};
+use crate::points::Ensemble;
+
+/// Rows per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
+const BLOCK: usize = 64;
+
+/// Absolute guard, in bins, beyond which f32 decides so little that every pair near the bins is settled in integers.
+const HOPELESS_GUARD: f32 = 0.25;
+
+/// With more bins than this the sums of one realization are large, so that they are shared between threads.
+const SHARED_BINS: usize = 1 << 15;
+
+pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
+    let realizations = ensemble.realizations();
+    let threads = cpu.threads();
+    let filter = Filter::new(plan);
+    let new_sums = || PairCounts::new(cpu.computed_by(), plan.bins.len(), plan.weighted());
+    let largest = (0..realizations).map(|k| ensemble.points_in(k)).max().unwrap_or(0);
+    let next = AtomicUsize::new(0);
+
+    // Small or many realizations: one thread each.
+    if plan.bins.len() <= SHARED_BINS && (realizations >= 8 * threads || largest < 1024) {
+        let parts = cpu.pool.broadcast(|_| {
+            let mut sums = new_sums();
+            let mut tally = Tally::new(plan, &filter);
+            loop {
+                control.check()?;
+                let k = next.fetch_add(1, Ordering::Relaxed);
+                if k >= realizations {
+                    return Ok(sums);
+                }
+                let set = Set::new(plan, ensemble, k);
+                for block in 0..set.blocks() {
+                    control.check()?;
+                    tally.count(cpu.level, plan, &filter, &set, block);
+                }
+                sums.add(&tally.take(set.n));
+            }
+        });
+        let mut sums = new_sums();
+        for part in parts {
+            sums.merge(&part?)?;
+        }
+        return Ok(sums);
+    }
+
+    let mut sums = new_sums();
+    for k in 0..realizations {
+        control.check()?;
+        let set = Set::new(plan, ensemble, k);
+        next.store(0, Ordering::Relaxed);
+        let parts = cpu.pool.broadcast(|_| {
+            let mut tally = Tally::new(plan, &filter);
+            loop {
+                control.check()?;
+                let block = next.fetch_add(1, Ordering::Relaxed);
+                if block >= set.blocks() {
+                    return Ok(tally.take(set.n));
+                }
+                tally.count(cpu.level, plan, &filter, &set, block);
+            }
+        });
+        let mut whole = PairHistogram {
+            n: set.n as u64,
+            counts: vec![0; plan.bins.len()],
+            weights: plan.weighted().then(|| vec![0; plan.bins.len()]),
+        };
+        for part in parts {
+            add(&mut whole, &part?);
+        }
+        sums.add(&whole);
+    }
+    Ok(sums)
+}
+
+fn add(sum: &mut PairHistogram, part: &PairHistogram) {
+    for (a, b) in sum.counts.iter_mut().zip(&part.counts) {
+        *a += b;
+    }
+    if let (Some(a), Some(b)) = (&mut sum.weights, &part.weights) {
+        for (a, b) in a.iter_mut().zip(b) {
+            *a += b;
+        }
+    }
+}
+
+/// One realization: exact coordinates, and the same rounded to 32 bits with padding behind.
+struct Set<'a> {
+    n: usize,
+    exact: Vec<&'a [u64]>,
+    periods: [u64; 3],
+    rounded: Vec<Vec<u32>>,
+    rounded_periods: [u32; 3],
+}
+
+impl<'a> Set<'a> {
+    fn new(plan: &PairPlan, ensemble: &'a Ensemble, k: usize) -> Self {
+        let exact = ensemble.lengths(k);
+        let periods = plan.domain.periods();
+        // Periods are below 2^64 - 2^31, or 0 for 2^64 itself, except for sides that differ by less than 2^-33: those
+        // round to 2^32, which 0 stands for.
+        let rounded_periods = periods.map(|p| round32(p, 0));
+        let rounded = exact
+            .iter()
+            .zip(rounded_periods)
+            .map(|(axis, period)| {
+                axis.iter().map(|&v| round32(v, period)).chain(std::iter::repeat_n(0, LANES)).collect()
+            })
+            .collect();
+        Self { n: ensemble.points_in(k), exact, periods, rounded, rounded_periods }
+    }
+
+    fn blocks(&self) -> usize {
+        self.n.div_ceil(BLOCK)
+    }
+}
+
+/// The nearest multiple of 2^32, in units of it, modulo the period (0 stands for 2^32).
+fn round32(v: u64, period: u32) -> u32 {
+    let rounded = (v.wrapping_add(1 << 31) >> 32) as u32;
+    if period != 0 && rounded >= period { rounded - period } else { rounded }
+}
+
+/// `BinFilter` as the kernels use it. The answer is the index of a bin, or anything from `bins` on for none of them.
+enum Filter<'a> {
+    Linear(Linear),
+    Table(&'a BinTable),
+    /// Bins far below a step of 2^-32: all pairs with `r2` up to this are undecided.
+    Near(f32),
+}
+
+impl<'a> Filter<'a> {
+    fn new(plan: &'a PairPlan) -> Self {
+        match &plan.filter {
+            BinFilter::Table(table) => Self::Table(table),
+            &BinFilter::Linear { bins_per_step, relative_guard, absolute_guard } => {
+                // Written so that NaN and infinity (r_max far below a step) are caught.
+                if !(absolute_guard <= HOPELESS_GUARD) {
+                    let steps = plan.bins.r_max() / plan.domain.length_unit() * 2f64.powi(32);
+                    // Rounding coordinates moves a difference by at most 1.5 steps per axis.
+                    return Self::Near(((steps + 3.0).powi(2) * 1.000_01) as f32);
+                }
+                Self::Linear(Linear::new(plan.bins.len(), bins_per_step, relative_guard, absolute_guard))
+            }
+        }
+    }
+}
+
+/// The sums of one thread.
+struct Tally {
+    bins: usize,
+    /// `copies` histograms of `stride` counters, short-lived.
+    short: Vec<u32>,
+    stride: usize,
+    /// Pairs that went into `short` since it was last emptied.
+    pending: u64,
+    counts: Vec<u64>,
+    weights: Option<Vec<u128>>,
+    undecided: Vec<simd::Undecided>,
+}
+
+impl Tally {
+    fn new(plan: &PairPlan, filter: &Filter<'_>) -> Self {
+        let bins = plan.bins.len();
+        let (copies, stride) = match filter {
+            Filter::Linear(linear) => (linear.copies, linear.stride),
+            _ => (1, bins + 1),
+        };
+        Self {
+            bins,
+            short: vec![0; copies * stride],
+            stride,
+            pending: 0,
+            counts: vec![0; bins],
+            weights: plan.weighted().then(|| vec![0; bins]),
+            undecided: Vec::new(),
+        }
+    }
+
+    /// Counts the pairs of one block of rows with all later points.
+    fn count(&mut self, level: SimdLevel, plan: &PairPlan, filter: &Filter<'_>, set: &Set<'_>, block: usize) {
+        let rows = block * BLOCK..((block + 1) * BLOCK).min(set.n);
+        // Columns in short pieces, so that they stay in the first-level cache for all rows of the block.
+        for begin in (rows.start..set.n).step_by(COLUMNS) {
+            self.count_piece(level, plan, filter, set, rows.clone(), begin..(begin + COLUMNS).min(set.n));
+        }
+    }
+
+    /// Counts the pairs `i` in `rows`, `j` in `columns` with `i < j`; at most `COLUMNS` columns.
+    fn count_piece(
+        &mut self,
+        level: SimdLevel,
+        plan: &PairPlan,
+        filter: &Filter<'_>,
+        set: &Set<'_>,
+        rows: Range<usize>,
+        columns: Range<usize>,
+    ) {
+        let pairs = (rows.len() * columns.len()) as u64;
+        if self.pending + pairs > u64::from(u32::MAX) {
+            self.empty();
+        }
+        self.pending += pairs;
+        let axes: Vec<&[u32]> = set.rounded.iter().map(Vec::as_slice).collect();
+        let job = Rows { axes: &axes, periods: set.rounded_periods, rows, columns };
+        let bins = self.bins;
+        let Self { short, weights, counts, undecided, .. } = self;
+        if let Some(weights) = weights {
+            let window = Window::new(plan, &set.exact);
+            let sink = |i: usize, first: usize, slots: &[u32]| {
+                for (j, &slot) in (first..).zip(slots) {
+                    let bin = slot as usize;
+                    if bin < bins {
+                        counts[bin] += 1;
+                        weights[bin] += u128::from(window.weight(i, j));
+                    }
+                }
+            };
+            match filter {
+                Filter::Linear(linear) => simd::linear(level, &job, &linear.one_copy(), sink, undecided),
+                Filter::Table(table) => simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided),
+                Filter::Near(beyond) => simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided),
+            }
+            for pair in undecided.drain(..) {
+                if let Some(bin) = settle(plan, set, &pair) {
+                    counts[bin] += 1;
+                    weights[bin] += u128::from(window.weight(pair.i as usize, pair.j as usize));
+                }
+            }
+            return;
+        }
+        match filter {
+            Filter::Linear(linear) => simd::linear_histogram(level, &job, linear, short, undecided),
+            Filter::Table(table) => {
+                let sink = |_, _, slots: &[u32]| scatter(short, slots);
+                simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided);
+            }
+            Filter::Near(beyond) => {
+                let sink = |_, _, slots: &[u32]| scatter(short, slots);
+                simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided);
+            }
+        }
+        for pair in undecided.drain(..) {
+            if let Some(bin) = settle(plan, set, &pair) {
+                counts[bin] += 1;
+            }
+        }
+    }
+
+    /// Moves the short counters into the long ones, before they can overflow.
+    fn empty(&mut self) {
+        for copy in self.short.chunks_exact_mut(self.stride) {
+            for (count, short) in self.counts.iter_mut().zip(&*copy) {
+                *count += u64::from(*short);
+            }
+            copy.fill(0);
+        }
+        self.pending = 0;
+    }
+
+    /// The histogram of ordered pairs counted so far, leaving nothing.
+    fn take(&mut self, n: usize) -> PairHistogram {
+        self.empty();
+        // Every unordered pair stands for two ordered ones of the same distance and weight.
+        let counts = self.counts.iter_mut().map(|c| 2 * std::mem::take(c)).collect();
+        let weights = self.weights.as_mut().map(|w| w.iter_mut().map(|w| 2 * std::mem::take(w)).collect());
+        PairHistogram { n: n as u64, counts, weights }
+    }
+}
+
+#[inline(always)]
+fn scatter(histogram: &mut [u32], slots: &[u32]) {
+    for &slot in slots {
+        let count = &mut histogram[slot as usize];
+        *count = count.wrapping_add(1);
+    }
+}
+
+/// The bin of a pair by `BinFilter::Table`; `bins` for none, `Err(guess)` where undecided.
+#[inline(always)]
+fn table_bin(table: &BinTable, bins: usize, r2: f32) -> Result<u32, u32> {
+    let cell = (r2.to_bits() >> BinTable::CELL_SHIFT).saturating_sub(table.first_cell) as usize;
+    let edge = table.cells[cell.min(table.cells.len() - 1)];
+    if edge == BinTable::SEARCH {
+        return Err(edge);
+    }
+    let e = edge as usize;
+    if r2 >= table.low[e] && r2 <= table.high[e] {
+        return Err(edge);
+    }
+    // Slot e + above is bin e + above - 1; below the first bin wraps to the far end.
+    let bin = (edge + u32::from(r2 > table.high[e])).wrapping_sub(1);
+    Ok(bin.min(bins as u32))
+}
+
+/// No bin beyond, undecided up to there.
+#[inline(always)]
+fn near_bin(beyond: f32, bins: usize, r2: f32) -> Result<u32, u32> {
+    if r2 > beyond { Ok(bins as u32) } else { Err(0) }
+}
+
+/// The bin of a pair by the definition.
+fn settle(plan: &PairPlan, set: &Set<'_>, pair: &simd::Undecided) -> Option<usize> {
+    let thresholds = &plan.thresholds;
+    let r2 = reference::squared_distance(&set.exact, set.periods, pair.i as usize, pair.j as usize);
+    // Nearly always one of the two bins that meet at the edge in question.
+    let guess = (pair.guess as usize).min(thresholds.len() - 1).saturating_sub(1);
+    for (k, edges) in thresholds[guess..].windows(2).take(3).enumerate() {
+        if edges[0] <= r2 && r2 < edges[1] {
+            return Some(guess + k);
+        }
+    }
+    let slot = thresholds.partition_point(|&t| t <= r2);
+    (1..thresholds.len()).contains(&slot).then(|| slot - 1)
+}
+
+/// Translation weights as in `reference::translation_weight`, operation for operation, with the quotients of sides taken
+/// once.
+struct Window<'a> {
+    axes: &'a [&'a [u64]],
+    sides: [f64; 3],
+}
+
+impl<'a> Window<'a> {
+    fn new(plan: &PairPlan, axes: &'a [&'a [u64]]) -> Self {
+        let mut sides = [0.0; 3];
+        for (a, side) in sides.iter_mut().zip(plan.domain.sides()) {
+            *a = side / plan.domain.length_unit();
+        }
+        Self { axes, sides }
+    }
+
+    #[inline(always)]
+    fn weight(&self, i: usize, j: usize) -> u64 {
+        let mut weight = 1.0;
+        for (axis, a) in self.axes.iter().zip(self.sides) {
+            // Dividing by a power of two and multiplying with its inverse are the same, exact operation.
+            let h = axis[i].abs_diff(axis[j]) as f64 * 2f64.powi(-64);
+            weight *= a / (a - h);
+        }
+        (weight * WEIGHT_STEPS).round_ties_even() as u64
+    }
+}

@@ -1,0 +1,286 @@
+//! Trusts: the reference (`reference_is_right.rs`) and the comparators (`comparison_can_fail.rs`).
+//! Proves: the native path counts the same pairs, integer for integer, and keeps the promises of both accuracy levels,
+//! with every instruction set, any number of threads and any cut of a batch.
+//! Cannot see: what only another processor would do.
+
+mod common;
+
+use common::*;
+use pairwave::Error;
+use pairwave::accumulate::{LEAF, WavePower};
+use pairwave::compute::cpu::{Cpu, SimdLevel};
+use pairwave::compute::{Compute, Control};
+use pairwave::plan::{Accuracy, Correction, RadialBins};
+use pairwave::points::{Domain, Ensemble};
+
+/// The native path with each instruction set this processor has.
+fn levels() -> Vec<Cpu> {
+    let all = [SimdLevel::Portable, SimdLevel::Avx2, SimdLevel::Avx512];
+    let here = SimdLevel::detect();
+    println!("instruction sets up to {} are tested", here.name());
+    all.into_iter().filter(|&l| l <= here).map(|l| Cpu::with_level(Some(2), l).unwrap()).collect()
+}
+
+fn cpu(threads: usize) -> Cpu {
+    Cpu::new(Some(threads)).unwrap()
+}
+
+fn counts_are_equal(name: &str, plan: &pairwave::plan::PairPlan, ensemble: &Ensemble) {
+    let truth = reference_counts(plan, ensemble);
+    for cpu in levels() {
+        let counts = cpu.pair_counts(plan, ensemble, &Control::default()).unwrap();
+        assert_counts_equal(&format!("{name}, {}", cpu.level().name()), &counts, &truth);
+    }
+}
+
+#[test]
+fn counts_equal_the_reference() {
+    for case in pair_cases(700) {
+        counts_are_equal(&case.name, &case.plan, &case.ensemble);
+    }
+}
+
+/// More points than a piece of columns or a block of rows, and sizes around their multiples.
+#[test]
+fn counts_are_equal_around_block_sizes() {
+    for n in [15, 16, 17, 63, 64, 65, 127, 1023, 1024, 1025, 1100, 2049] {
+        let ensemble = ensemble(&[uniform(2, n, n as u64)]);
+        let bins = RadialBins::linear(0.5, 8).unwrap();
+        counts_are_equal(&format!("n = {n}"), &pair_plan(&ensemble, bins, Correction::None), &ensemble);
+    }
+}
+
+#[test]
+fn translation_weights_equal_the_reference() {
+    for dim in 1..=3 {
+        let ranges = &[(-1.0, 2.0), (0.5, 1.75), (10.0, 12.2)][..dim];
+        let window = Domain::window(ranges).unwrap();
+        let r = 0.9 * window.shortest_side();
+        // The lattice has points on both ends of the closed window's sides.
+        let closed = raw(dim, lattice(dim, 7).coordinates.iter().map(|x| x * 7.0 / 6.0).collect());
+        let sets = [uniform(dim, 300, 1), clustered(dim, 200, 2), closed, uniform(dim, 1, 3), uniform(dim, 0, 4)];
+        let ensemble = ensemble_in(&window, &sets);
+        for (name, bins) in [
+            ("linear", RadialBins::linear(r, 70).unwrap()),
+            ("log", RadialBins::logarithmic(1e-3 * r, r, 30).unwrap()),
+            ("given", RadialBins::from_edges(vec![0.1 * r, 0.2 * r, 0.200_000_001 * r, r]).unwrap()),
+            ("tiny", RadialBins::linear(1e-9, 100).unwrap()),
+        ] {
+            let plan = pair_plan(&ensemble, bins, Correction::Translation);
+            counts_are_equal(&format!("window, translation, {name}, {dim}D"), &plan, &ensemble);
+        }
+    }
+}
+
+/// Bins narrower than a step of 2^-32, or so many that f32 decides next to nothing.
+#[test]
+fn hopeless_bins_are_still_exact() {
+    let tight = |scale: f64| {
+        let mut rng = Rng(5);
+        raw(2, (0..300).map(|_| 0.5 + scale * (rng.unit() - 0.5)).collect())
+    };
+    for (scale, r_max, bins) in
+        [(1e-8, 1e-8, 1000), (1e-9, 1e-9, 3), (1e-15, 1e-15, 50), (1e-6, 1e-6, 4000), (0.5, 1e-300, 2), (0.5, 1e-42, 9)]
+    {
+        let sets = ensemble(&[tight(scale), uniform(2, 200, 6), coincident(2, 40)]);
+        let plan = pair_plan(&sets, RadialBins::linear(r_max, bins).unwrap(), Correction::None);
+        counts_are_equal(&format!("{bins} bins to {r_max:e}"), &plan, &sets);
+    }
+    for dim in 1..=3 {
+        let sets = ensemble(&[uniform(dim, 40, 7), lattice(dim, 3)]);
+        let plan = pair_plan(&sets, RadialBins::linear(0.5, 1 << 20).unwrap(), Correction::None);
+        counts_are_equal(&format!("2^20 bins, {dim}D"), &plan, &sets);
+        let plan = pair_plan(&sets, RadialBins::logarithmic(1e-6, 0.5, 100_000).unwrap(), Correction::None);
+        counts_are_equal(&format!("100,000 logarithmic bins, {dim}D"), &plan, &sets);
+    }
+}
+
+/// Sides so unequal that a period of 2^32 steps is rounded coarsely, and distances that exactly touch edges there.
+#[test]
+fn counts_are_equal_on_unequal_tori() {
+    for sides in [&[1.0, 1.0 / 3.0][..], &[1e-3, 1.0], &[1.0, 1.0 - 1e-12], &[7.0, 5.0, 3.0], &[1.0, 1e-5]] {
+        let torus = Domain::torus(sides).unwrap();
+        let r = torus.shortest_side() / 2.0;
+        let dim = sides.len();
+        let sets = ensemble_in(&torus, &[uniform(dim, 400, 1), lattice(dim, 6), clustered(dim, 300, 2)]);
+        for bins in [
+            RadialBins::linear(r, 12).unwrap(),
+            RadialBins::linear(r, 100_000).unwrap(),
+            RadialBins::logarithmic(r * 1e-3, r, 50).unwrap(),
+        ] {
+            counts_are_equal(&format!("sides {sides:?}"), &pair_plan(&sets, bins, Correction::None), &sets);
+        }
+    }
+}
+
+#[test]
+fn counters_pass_2_to_the_32() {
+    let n = 100_000;
+    let points = raw(2, vec![0.3; 2 * n]);
+    let ensemble = ensemble(&[points]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
+    let counts = cpu(2).pair_counts(&plan, &ensemble, &Control::default()).unwrap();
+    let n = n as u64;
+    assert_eq!(counts.counts, vec![n * (n - 1), 0, 0, 0]);
+}
+
+fn many(dim: usize, realizations: usize, n: usize) -> Ensemble {
+    let sets: Vec<_> = (0..realizations).map(|k| uniform(dim, n + k % 5, 100 + k as u64)).collect();
+    ensemble(&sets)
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    for (realizations, n) in [(1, 1500), (3, 1100), (70, 60)] {
+        let ensemble = many(2, realizations, n);
+        let pairs = pair_plan(&ensemble, RadialBins::linear(0.3, 50).unwrap(), Correction::None);
+        let waves: Vec<_> =
+            [Accuracy::Fast, Accuracy::High].map(|a| wave_plan(&ensemble, &[70, 40], a)).into_iter().collect();
+        let run = |threads: usize| {
+            let cpu = cpu(threads);
+            let control = Control::default();
+            let counts = cpu.pair_counts(&pairs, &ensemble, &control).unwrap();
+            let powers: Vec<_> =
+                waves.iter().map(|w| bits(&cpu.wave_power(w, &ensemble, &control).unwrap())).collect();
+            ((counts.counts, counts.moments, counts.n_moments, counts.realizations), powers)
+        };
+        let one = run(1);
+        for threads in [2, 5] {
+            assert!(run(threads) == one, "{realizations} x {n} with {threads} threads");
+        }
+    }
+}
+
+/// All sums of a spectrum, bit for bit.
+fn bits(power: &WavePower) -> Vec<u64> {
+    let (modes, rings) = power.totals();
+    [modes.q, modes.q_squared, modes.q_n, rings.q, rings.q_squared, rings.q_n]
+        .iter()
+        .flatten()
+        .map(|x| x.to_bits())
+        .chain(power.n_moments.map(|m| m as u64))
+        .chain([power.realizations])
+        .collect()
+}
+
+#[test]
+fn cuts_of_a_batch_do_not_change_a_bit() {
+    let leaf = LEAF as usize;
+    let ensemble = many(3, 5 * leaf + 3, 50);
+    let pairs = pair_plan(&ensemble, RadialBins::linear(0.3, 50).unwrap(), Correction::None);
+    let waves = wave_plan(&ensemble, &[5, 4, 3], Accuracy::Fast);
+    let (cpu, control) = (cpu(2), Control::default());
+    let whole = (
+        cpu.pair_counts(&pairs, &ensemble, &control).unwrap(),
+        bits(&cpu.wave_power(&waves, &ensemble, &control).unwrap()),
+    );
+    for cut in [leaf, 3 * leaf, 5 * leaf] {
+        let parts = [ensemble.slice(0..cut), ensemble.slice(cut..ensemble.realizations())];
+        let [mut counts, other] = parts.each_ref().map(|e| cpu.pair_counts(&pairs, e, &control).unwrap());
+        counts.merge(&other).unwrap();
+        assert!(counts == whole.0, "counts cut at {cut}");
+        let [mut power, other] = parts.each_ref().map(|e| cpu.wave_power(&waves, e, &control).unwrap());
+        power.merge(other).unwrap();
+        assert!(bits(&power) == whole.1, "powers cut at {cut}");
+    }
+}
+
+fn powers_are_within(name: &str, ensemble: &Ensemble, max_frequency: &[u32]) {
+    let truth = reference_power(&wave_plan(ensemble, max_frequency, Accuracy::High), ensemble);
+    for accuracy in [Accuracy::Fast, Accuracy::High] {
+        let plan = wave_plan(ensemble, max_frequency, accuracy);
+        for cpu in levels() {
+            let power = cpu.wave_power(&plan, ensemble, &Control::default()).unwrap();
+            let name = format!("{name}, {}, {}", accuracy.name(), cpu.level().name());
+            assert_power_within(&name, accuracy, &power, &truth);
+        }
+    }
+}
+
+#[test]
+fn powers_are_within_the_promise() {
+    for f in [0, 1, 2, 3, 5, 9, 100, 1000] {
+        powers_are_within(&format!("1D, F = {f}"), &ensemble(&[uniform(1, 300, f)]), &[f as u32]);
+    }
+    for f in [[0, 0], [0, 3], [3, 0], [1, 1], [7, 9], [64, 64], [33, 5]] {
+        powers_are_within(&format!("2D, F = {f:?}"), &ensemble(&[uniform(2, 300, 1), clustered(2, 150, 2)]), &f);
+    }
+    for f in [[0, 0, 0], [2, 3, 4], [0, 1, 5], [8, 8, 8]] {
+        powers_are_within(&format!("3D, F = {f:?}"), &ensemble(&[uniform(3, 300, 1), lattice(3, 5)]), &f);
+    }
+    let sizes = [0, 1, 2, 127, 128, 129, 300].map(|n| uniform(2, n, n as u64));
+    powers_are_within("n = 0, 1, 2, ...", &ensemble(&sizes), &[10, 10]);
+    powers_are_within("coincident", &ensemble(&[coincident(2, 1000)]), &[20, 20]);
+    let window = Domain::window(&[(-1.0, 2.0), (0.0, 1.0)]).unwrap();
+    powers_are_within("window", &ensemble_in(&window, &[uniform(2, 300, 1)]), &[20, 20]);
+    let torus = Domain::torus(&[3.0, 1.0]).unwrap();
+    powers_are_within("unequal torus", &ensemble_in(&torus, &[uniform(2, 300, 1)]), &[30, 10]);
+}
+
+/// The farthest frequencies of the promise: a tile of rows at a time.
+#[test]
+fn powers_are_within_the_promise_far_out() {
+    powers_are_within("strip 65536 x 2", &ensemble(&[uniform(2, 60, 1)]), &[65_536, 2]);
+    powers_are_within("strip 2 x 65536", &ensemble(&[uniform(2, 60, 2)]), &[2, 65_536]);
+    powers_are_within("line 65536", &ensemble(&[uniform(1, 200, 3)]), &[65_536]);
+    // 0.1 is no multiple of 2^-32, and all errors add up.
+    powers_are_within("coincident, far out", &ensemble(&[raw(2, vec![0.1; 400])]), &[65_536, 2]);
+}
+
+#[test]
+fn powers_of_65536_uniform_points_are_within_the_promise() {
+    let ensemble = ensemble(&[uniform(2, 65_536, 4)]);
+    let f = [12, 12];
+    let truth = reference_power(&wave_plan(&ensemble, &f, Accuracy::High), &ensemble);
+    for accuracy in [Accuracy::Fast, Accuracy::High] {
+        for cpu in levels() {
+            let plan = wave_plan(&ensemble, &f, accuracy);
+            let power = cpu.wave_power(&plan, &ensemble, &Control::default()).unwrap();
+            let name = format!("n = 65536, {}, {}", accuracy.name(), cpu.level().name());
+            let error = assert_power_within(&name, accuracy, &power, &truth);
+            assert!(error.rms <= accuracy.power_bound().rms_uniform, "{name}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn the_zeros_of_a_lattice_stay_zero() {
+    let (n, z) = (65_536usize, 19_463usize);
+    let ensemble = ensemble(&[rank1(n, z)]);
+    for accuracy in [Accuracy::Fast, Accuracy::High] {
+        let plan = wave_plan(&ensemble, &[64, 64], accuracy);
+        for cpu in levels() {
+            let q = cpu.wave_power(&plan, &ensemble, &Control::default()).unwrap().totals().0.q;
+            let mut worst = 0.0;
+            for (index, q) in q.iter().enumerate() {
+                let m = plan.grid.mode(index);
+                let on_dual = (i64::from(m[0]) + i64::from(m[1]) * z as i64).rem_euclid(n as i64) == 0;
+                let p = q / n as f64;
+                assert!(p.is_finite());
+                if on_dual {
+                    assert!((p / n as f64 - 1.0).abs() < 1e-5, "P = {p} at {m:?}, a point of the dual lattice");
+                } else {
+                    worst = f64::max(worst, p);
+                }
+            }
+            println!("{}, {}: largest P at a zero {worst:.1e}", accuracy.name(), cpu.level().name());
+            assert!(worst <= accuracy.power_bound().lattice_zero, "{worst:e}");
+        }
+    }
+}
+
+#[test]
+fn cancelling_is_an_error_and_bad_threads_are_refused() {
+    let ensemble = ensemble(&[uniform(2, 100, 1)]);
+    let control = Control::default();
+    control.cancel();
+    let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
+    assert!(matches!(cpu(2).pair_counts(&pairs, &ensemble, &control), Err(Error::Cancelled)));
+    let waves = wave_plan(&ensemble, &[4, 4], Accuracy::Fast);
+    assert!(matches!(cpu(2).wave_power(&waves, &ensemble, &control), Err(Error::Cancelled)));
+    for threads in [0, 1_000_000] {
+        let error = Cpu::new(Some(threads)).unwrap_err();
+        assert!(error.to_string().starts_with(&format!("--threads {threads}: ")), "{error}");
+    }
+    assert!(cpu(2).computed_by().device.contains("2 threads"));
+}
