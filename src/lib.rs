@@ -7,7 +7,11 @@
 //! points -> plan -> compute (gpu | cpu | reference) -> accumulate -> estimate -> report
 //! ```
 
+// Nothing an input or a device does may panic; tests may unwrap.
+#![warn(unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 pub mod accumulate;
+pub mod analysis;
 pub mod compute;
 mod error;
 pub mod estimate;

@@ -76,7 +76,7 @@ mod tests {
 
     fn leaf(i: u64) -> Vec<f64> {
         // Magnitudes far apart, so that any other order of additions gives other bits.
-        vec![(1.0 + i as f64).powi(if i % 3 == 0 { 30 } else { -3 }), 0.1 * i as f64]
+        vec![(1.0 + i as f64).powi(if i.is_multiple_of(3) { 30 } else { -3 }), 0.1 * i as f64]
     }
 
     fn sum_of(range: std::ops::Range<u64>) -> OrderedSum {

@@ -1,1 +1,37 @@
-//! estimate
+//! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
+
+mod neighbors;
+mod pair_correlation;
+mod pair_kernel;
+mod power_spectrum;
+mod radial_spectrum;
+
+pub use neighbors::*;
+pub use pair_correlation::{Normalization, PairCorrelation};
+pub use pair_kernel::{Kernel, KernelEstimate, SmoothingKernel};
+pub use power_spectrum::PowerSpectrum;
+pub use radial_spectrum::{RadialSpectrum, Ring};
+
+/// Where an error bar comes from. Every output says which.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ErrorSource {
+    /// Standard error of the mean across K >= 2 realizations.
+    AcrossRealizations,
+    /// Theory, for a single realization: Poisson pair counts; exponential periodogram ordinates.
+    Theory,
+}
+
+impl ErrorSource {
+    fn of(realizations: u64) -> Self {
+        if realizations >= 2 { Self::AcrossRealizations } else { Self::Theory }
+    }
+}
+
+/// Standard error of the ratio estimate `sum c / sum N` over `k` realizations, from the sum of squared residuals
+/// `sum (c - g N)^2`: `sqrt(k / (k - 1) residuals) / sum N` (Cochran, Sampling Techniques, 1977, section 6.4). With equal
+/// N it is the standard error of the mean of `c / N`. Rounding may leave residuals a hair below 0.
+fn ratio_standard_error(k: u64, residuals: f64, sum_norm: f64) -> f64 {
+    let k = k as f64;
+    (k / (k - 1.0) * residuals.max(0.0)).sqrt() / sum_norm
+}

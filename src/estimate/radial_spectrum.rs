@@ -1,0 +1,93 @@
+//! Wave power -> radial mean and anisotropy.
+
+use super::power_spectrum::ratio_estimate;
+use super::{ErrorSource, PowerSpectrum};
+use crate::accumulate::WavePower;
+use crate::plan::WavePlan;
+
+/// One ring of constant frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ring {
+    /// Lower end, `(k - 1/2) / max L`, in cycles per unit length.
+    pub nu_lo: f64,
+    /// `k / max L`.
+    pub nu: f64,
+    /// Upper end.
+    pub nu_hi: f64,
+    /// Modes of the whole grid in the ring.
+    pub modes: u64,
+    /// Half of them: P(-m) = P(m).
+    pub independent_modes: u64,
+    /// Mean of P over the ring.
+    pub p: f64,
+    /// Standard error of `p`: across realizations, or for K = 1 `p / sqrt(independent_modes)`.
+    pub p_se: f64,
+    /// `10 log10(s^2 / p^2)` in dB, `s^2` the variance (ddof 1) of the K-averaged P over the ring's independent modes.
+    /// `None` where undefined: a single independent mode, or no spread at all.
+    pub anisotropy_db: Option<f64>,
+    /// Standard error of the anisotropy for an isotropic spectrum, in dB.
+    pub anisotropy_db_se: Option<f64>,
+}
+
+/// Radial mean of P and its anisotropy, per ring. DC is in no ring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RadialSpectrum {
+    /// The rings, from the fundamental upward.
+    pub rings: Vec<Ring>,
+    /// What the anisotropy of an isotropic spectrum would be: `-10 log10 K` dB.
+    pub anisotropy_reference_db: f64,
+    /// Where `p_se` comes from.
+    pub errors: ErrorSource,
+}
+
+impl RadialSpectrum {
+    /// The estimate. (Anisotropy: Ulichney, Digital Halftoning, 1987, with the independent modes counted as Lagae and
+    /// Dutre, "A Comparison of Methods for Generating Poisson Disk Distributions", 2008, do not: the two halves of the
+    /// plane are the same numbers.)
+    pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
+        let (_, ring_moments) = power.totals();
+        let modes = |k: usize| plan.rings.modes[k] as f64;
+        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| modes(k) / 2.0);
+        let spread = spread(plan, &spectrum.p, &p);
+        let realizations = power.realizations as f64;
+        let rings = (0..plan.rings.count)
+            .map(|k| {
+                let independent = plan.rings.modes[k] / 2;
+                let variance = spread[k] / (independent as f64 - 1.0);
+                let defined = independent >= 2 && variance > (f64::EPSILON * p[k]).powi(2) && p[k] > 0.0;
+                // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
+                // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).
+                let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations * independent as f64);
+                let centre = (k + 1) as f64;
+                Ring {
+                    nu_lo: (centre - 0.5) * plan.rings.fundamental,
+                    nu: centre * plan.rings.fundamental,
+                    nu_hi: (centre + 0.5) * plan.rings.fundamental,
+                    modes: plan.rings.modes[k],
+                    independent_modes: independent,
+                    p: p[k],
+                    p_se: p_se[k],
+                    anisotropy_db: defined.then(|| 10.0 * (variance / (p[k] * p[k])).log10()),
+                    anisotropy_db_se: defined.then(|| 10.0 / std::f64::consts::LN_10 * relative.sqrt()),
+                }
+            })
+            .collect();
+        Self {
+            rings,
+            anisotropy_reference_db: -10.0 * realizations.log10(),
+            errors: ErrorSource::of(power.realizations),
+        }
+    }
+}
+
+/// Per ring, the sum of `(P(m) - mean)^2` over the independent modes: those stored after DC.
+fn spread(plan: &WavePlan, p: &[f64], mean: &[f64]) -> Vec<f64> {
+    let mut spread = vec![0.0; plan.rings.count];
+    for (&p, &ring) in p.iter().zip(&plan.rings.ring_of).skip(plan.grid.dc() + 1) {
+        if ring > 0 {
+            let k = ring as usize - 1;
+            spread[k] += (p - mean[k]).powi(2);
+        }
+    }
+    spread
+}

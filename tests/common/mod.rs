@@ -1,0 +1,253 @@
+//! Shared by the tests: inputs, and comparators that `comparison_can_fail.rs` proves able to fail.
+#![allow(dead_code, reason = "every test file uses its own part")]
+
+use pairwave::accumulate::{PairCounts, WavePower};
+use pairwave::compute::{Compute, Control, reference::Reference};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use pairwave::points::{Domain, Ensemble, RawPoints};
+
+/// SplitMix64: enough randomness for inputs, the same on every platform.
+pub struct Rng(pub u64);
+
+impl Rng {
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1), a multiple of 2^-53.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / 2f64.powi(53)
+    }
+}
+
+/// Points from coordinates, point by point.
+pub fn raw(dim: usize, coordinates: Vec<f64>) -> RawPoints {
+    RawPoints { dim, coordinates, source: "test".into(), lines: Vec::new() }
+}
+
+/// `n` uniform points in the unit cube.
+pub fn uniform(dim: usize, n: usize, seed: u64) -> RawPoints {
+    let mut rng = Rng(seed);
+    raw(dim, (0..n * dim).map(|_| rng.unit()).collect())
+}
+
+/// `n` points in tight clumps of 10, some of them straddling the sides of the unit torus.
+pub fn clustered(dim: usize, n: usize, seed: u64) -> RawPoints {
+    let mut rng = Rng(seed);
+    let mut centre = vec![0.0; dim];
+    let mut coordinates = Vec::with_capacity(n * dim);
+    for j in 0..n {
+        if j % 10 == 0 {
+            centre = (0..dim).map(|_| if rng.unit() < 0.3 { 0.0 } else { rng.unit() }).collect();
+        }
+        coordinates.extend(centre.iter().map(|c| (c + 1e-3 * (rng.unit() - 0.5)).rem_euclid(1.0)));
+    }
+    raw(dim, coordinates)
+}
+
+/// The regular lattice with `k` points a side: distances lie exactly on the edges of suitable bins.
+pub fn lattice(dim: usize, k: usize) -> RawPoints {
+    let n = k.pow(dim as u32);
+    let coordinates = (0..n).flat_map(|j| (0..dim).map(move |a| (j / k.pow(a as u32) % k) as f64 / k as f64)).collect();
+    raw(dim, coordinates)
+}
+
+/// The rank-1 lattice `(i / n)(1, z)`.
+pub fn rank1(n: usize, z: usize) -> RawPoints {
+    raw(2, (0..n).flat_map(|i| [i as f64 / n as f64, (i * z % n) as f64 / n as f64]).collect())
+}
+
+/// Everything `n` times at the same place, then one point elsewhere.
+pub fn coincident(dim: usize, n: usize) -> RawPoints {
+    let mut coordinates = vec![0.25; n * dim];
+    coordinates.extend(vec![0.4; dim]);
+    raw(dim, coordinates)
+}
+
+/// An ensemble on the unit torus.
+pub fn ensemble(sets: &[RawPoints]) -> Ensemble {
+    ensemble_in(&Domain::unit_torus(sets[0].dim), sets)
+}
+
+/// An ensemble whose unit-cube coordinates are stretched to fill `domain`.
+pub fn ensemble_in(domain: &Domain, sets: &[RawPoints]) -> Ensemble {
+    let dim = domain.dim();
+    let stretched: Vec<RawPoints> = sets
+        .iter()
+        .map(|set| {
+            let coordinates = set.coordinates.iter().enumerate();
+            let place = |(i, x): (usize, &f64)| domain.origin()[i % dim] + x * domain.sides()[i % dim];
+            raw(dim, coordinates.map(place).collect())
+        })
+        .collect();
+    Ensemble::from_raw(&stretched, domain, true, 0).unwrap()
+}
+
+/// The shape of an ensemble, for plans.
+pub fn shape(ensemble: &Ensemble) -> EnsembleShape {
+    let k = ensemble.realizations();
+    EnsembleShape {
+        realizations: k as u64,
+        mean_points: ensemble.total_points() as f64 / k as f64,
+        max_points: (0..k).map(|k| ensemble.points_in(k)).max().unwrap() as u64,
+    }
+}
+
+/// A pair plan for an ensemble.
+pub fn pair_plan(ensemble: &Ensemble, bins: RadialBins, correction: Correction) -> PairPlan {
+    PairPlan::new(ensemble.domain(), bins, correction, shape(ensemble)).unwrap()
+}
+
+/// A wave plan for an ensemble.
+pub fn wave_plan(ensemble: &Ensemble, max_frequency: &[u32], accuracy: Accuracy) -> WavePlan {
+    WavePlan::new(ensemble.domain(), WaveGrid::new(max_frequency).unwrap(), accuracy, shape(ensemble)).unwrap()
+}
+
+/// A named pair-counting case.
+pub struct PairCase {
+    pub name: String,
+    pub ensemble: Ensemble,
+    pub plan: PairPlan,
+}
+
+/// The table of pair-counting cases every backend must count exactly: every kind of input, bins and torus, in 1, 2 and 3
+/// dimensions. `size` scales the point counts (about `size` points a set).
+pub fn pair_cases(size: usize) -> Vec<PairCase> {
+    let mut cases = Vec::new();
+    let mut add = |name: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins| {
+        let ensemble = ensemble_in(domain, sets);
+        let plan = pair_plan(&ensemble, bins, Correction::None);
+        cases.push(PairCase { name: format!("{name}, {}D", domain.dim()), ensemble, plan });
+    };
+    for dim in 1..=3 {
+        let unit = Domain::unit_torus(dim);
+        let k = (size as f64).powf(1.0 / dim as f64).round() as usize;
+        let linear = |r: f64, b: usize| RadialBins::linear(r, b).unwrap();
+        add("uniform", &unit, &[uniform(dim, size, 1)], linear(0.5, 256));
+        add("uniform, short range", &unit, &[uniform(dim, size, 2)], linear(0.05, 7));
+        add("clustered", &unit, &[clustered(dim, size, 3)], linear(0.5, 1024));
+        add("lattice, distances on edges", &unit, &[lattice(dim, k)], linear(0.5, k.max(2)));
+        add("dyadic lattice", &unit, &[lattice(dim, 8)], linear(0.5, 64));
+        add("coincident", &unit, &[coincident(dim, size.min(500))], linear(0.5, 10));
+        add("two points", &unit, &[raw(dim, [vec![0.0; dim], vec![0.999; dim]].concat())], linear(0.5, 16));
+        add(
+            "n = 0, 1, 2, 3 and more",
+            &unit,
+            &[0, 1, 2, 3, 40, 7].map(|n| uniform(dim, n, 40 + n as u64)),
+            linear(0.4, 33),
+        );
+        add("logarithmic", &unit, &[uniform(dim, size, 5)], RadialBins::logarithmic(1e-3, 0.49, 24).unwrap());
+        let given = vec![0.0, 0.01, 0.010_000_001, 0.1, 0.33, 0.5];
+        add(
+            "given edges",
+            &unit,
+            &[lattice(dim, k), clustered(dim, size / 2, 6)],
+            RadialBins::from_edges(given).unwrap(),
+        );
+        add("not from 0", &unit, &[lattice(dim, k)], RadialBins::from_edges(vec![0.25, 0.3, 0.5]).unwrap());
+        let close = raw(dim, [vec![0.5; dim], vec![0.5 + 1e-9; dim], vec![0.5 - 3e-9; dim], vec![0.0; dim]].concat());
+        add("1e-9 apart", &unit, &[close], RadialBins::logarithmic(1e-10, 0.5, 300).unwrap());
+        let sides = &[2.5, 1.0, 0.7][..dim];
+        let torus = Domain::torus(sides).unwrap();
+        let r = torus.shortest_side() / 2.0;
+        add("unequal sides", &torus, &[uniform(dim, size, 7), lattice(dim, k)], linear(r, 100));
+        add(
+            "unequal sides, log",
+            &torus,
+            &[clustered(dim, size, 8)],
+            RadialBins::logarithmic(r * 1e-4, r, 40).unwrap(),
+        );
+        let ranges: Vec<(f64, f64)> = (0..dim).map(|a| (-1.0 - a as f64, 2.0 + a as f64)).collect();
+        let window = Domain::window(&ranges).unwrap();
+        add("window", &window, &[uniform(dim, size, 9), lattice(dim, k)], linear(1.5, 60));
+    }
+    cases
+}
+
+/// The reference's counts for a plan.
+pub fn reference_counts(plan: &PairPlan, ensemble: &Ensemble) -> PairCounts {
+    Reference.pair_counts(plan, ensemble, &Control::default()).unwrap()
+}
+
+/// The reference's powers for a plan.
+pub fn reference_power(plan: &WavePlan, ensemble: &Ensemble) -> WavePower {
+    Reference.wave_power(plan, ensemble, &Control::default()).unwrap()
+}
+
+/// Equal integers from different hands, or what differs.
+pub fn counts_agree(a: &PairCounts, b: &PairCounts) -> Result<(), String> {
+    if a.computed_by.backends == b.computed_by.backends {
+        return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
+    }
+    if a.realizations != b.realizations || a.n_moments != b.n_moments {
+        return Err(format!("different realizations: {} and {}", a.realizations, b.realizations));
+    }
+    if let Some(bin) = (0..a.counts.len().max(b.counts.len())).find(|&k| a.counts.get(k) != b.counts.get(k)) {
+        return Err(format!("bin {bin}: {:?} against {:?} pairs", a.counts.get(bin), b.counts.get(bin)));
+    }
+    if a.weights != b.weights {
+        return Err("the weight sums differ".into());
+    }
+    if a.moments != b.moments {
+        return Err("the moments differ".into());
+    }
+    Ok(())
+}
+
+/// Asserts `counts_agree`.
+pub fn assert_counts_equal(name: &str, a: &PairCounts, b: &PairCounts) {
+    if let Err(why) = counts_agree(a, b) {
+        panic!("{name}: {why}");
+    }
+}
+
+/// How close two power spectra are.
+#[derive(Debug, Clone, Copy)]
+pub struct PowerError {
+    /// `max |P - P_ref| / (1 + P_ref)`.
+    pub max: f64,
+    /// Root mean square of `P - P_ref`.
+    pub rms: f64,
+}
+
+/// The error of `a` against `reference`, or why they cannot be compared. DC, an exact n, is part of it.
+pub fn power_error(a: &WavePower, reference: &WavePower) -> Result<PowerError, String> {
+    if a.computed_by.backends == reference.computed_by.backends {
+        return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
+    }
+    if (a.realizations, a.n_moments, a.modes()) != (reference.realizations, reference.n_moments, reference.modes()) {
+        return Err("different realizations or modes".into());
+    }
+    let n = reference.n_moments[0] as f64;
+    let (p, p_ref) = (a.totals().0.q, reference.totals().0.q);
+    let (mut max, mut squares) = (0f64, 0.0);
+    for (p, r) in p.iter().zip(&p_ref) {
+        let (p, r) = (p / n, r / n);
+        let error = (p - r).abs() / (1.0 + r);
+        // Written so that NaN fails.
+        if !(error.is_finite()) {
+            return Err(format!("P = {p} where the reference has {r}"));
+        }
+        max = max.max(error);
+        squares += (p - r).powi(2);
+    }
+    Ok(PowerError { max, rms: (squares / p.len() as f64).sqrt() })
+}
+
+/// Asserts the promise of an accuracy level and prints the clearance.
+pub fn assert_power_within(name: &str, accuracy: Accuracy, a: &WavePower, reference: &WavePower) -> PowerError {
+    let bound = accuracy.power_bound();
+    let error = power_error(a, reference).unwrap_or_else(|why| panic!("{name}: {why}"));
+    println!(
+        "{name}: max {:.1e} (clearance {:.1}), rms {:.1e}",
+        error.max,
+        bound.max_relative_to_one_plus_p / error.max,
+        error.rms
+    );
+    assert!(error.max <= bound.max_relative_to_one_plus_p, "{name}: {error:?} exceeds {bound:?}");
+    error
+}

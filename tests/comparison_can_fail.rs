@@ -1,0 +1,83 @@
+//! The comparators the other tests trust: each planted fault here must be caught.
+
+mod common;
+
+use common::*;
+use pairwave::compute::{Backend, ComputedBy, Control};
+use pairwave::plan::{Accuracy, Correction, RadialBins};
+
+fn as_if_by_cpu(computed_by: &mut ComputedBy) {
+    *computed_by = ComputedBy::new(Backend::Cpu, "planted");
+}
+
+#[test]
+fn one_moved_pair_is_caught() {
+    let ensemble = ensemble(&[uniform(2, 200, 1)]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
+    let truth = reference_counts(&plan, &ensemble);
+    let mut other = truth.clone();
+    as_if_by_cpu(&mut other.computed_by);
+    assert_eq!(counts_agree(&other, &truth), Ok(()), "equal counts pass");
+    other.counts[3] += 1;
+    other.counts[4] -= 1;
+    assert!(counts_agree(&other, &truth).unwrap_err().contains("bin 3"), "one moved pair");
+}
+
+#[test]
+fn a_moved_edge_is_caught() {
+    let ensemble = ensemble(&[lattice(2, 10)]);
+    let at = |r_max: f64| {
+        let plan = pair_plan(&ensemble, RadialBins::linear(r_max, 5).unwrap(), Correction::None);
+        reference_counts(&plan, &ensemble)
+    };
+    let mut moved = at(0.5 - 1e-12);
+    as_if_by_cpu(&mut moved.computed_by);
+    assert!(counts_agree(&moved, &at(0.5)).is_err(), "lattice distances sit on the edges: 1e-12 moves them");
+}
+
+#[test]
+fn the_same_hand_twice_is_refused() {
+    let ensemble = ensemble(&[uniform(2, 20, 1)]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
+    let truth = reference_counts(&plan, &ensemble);
+    assert!(counts_agree(&truth, &truth).is_err(), "reference against reference compares nothing");
+    let waves = wave_plan(&ensemble, &[4, 4], Accuracy::Fast);
+    let power = reference_power(&waves, &ensemble);
+    assert!(power_error(&power, &power).is_err(), "reference against reference compares nothing");
+}
+
+#[test]
+fn a_missing_point_and_a_nan_are_caught() {
+    let whole = ensemble(&[uniform(2, 100, 1)]);
+    let waves = wave_plan(&whole, &[4, 4], Accuracy::Fast);
+    let truth = reference_power(&waves, &whole);
+
+    let mut same = truth.clone();
+    as_if_by_cpu(&mut same.computed_by);
+    assert_eq!(power_error(&same, &truth).unwrap().max, 0.0, "equal powers pass");
+
+    // A point left out of every sum but one.
+    let mut points = uniform(2, 100, 1);
+    points.coordinates[0] += 1e-3;
+    let mut off = reference_power(&waves, &ensemble(&[points]));
+    as_if_by_cpu(&mut off.computed_by);
+    let error = power_error(&off, &truth).unwrap();
+    assert!(error.max > Accuracy::Fast.power_bound().max_relative_to_one_plus_p, "one point moved by 1e-3: {error:?}");
+
+    let mut nan =
+        pairwave::accumulate::WavePower::new(ComputedBy::new(Backend::Cpu, "planted"), truth.modes(), &waves.rings);
+    let mut values = truth.totals().0.q;
+    values[7] = f64::NAN;
+    nan.add(0, 100, &values, &waves.rings);
+    assert!(power_error(&nan, &truth).is_err(), "NaN cannot pass");
+}
+
+#[test]
+fn cancelling_gives_an_error_not_a_part() {
+    use pairwave::compute::{Compute, reference::Reference};
+    let ensemble = ensemble(&[uniform(2, 20, 1)]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
+    let control = Control::default();
+    control.cancel();
+    assert!(Reference.pair_counts(&plan, &ensemble, &control).is_err(), "cancelled work must not return sums");
+}
