@@ -94,6 +94,8 @@ fn text_varieties_give_the_same_points() {
         ("columns by name with blanks", b"x y mark\n0.5 0.25 7\n-1 1e-3 8\n"),
         ("a comment of as many words", b"# hello world\n0.5 0.25\n-1 1e-3\n"),
         ("PSA", b"2\n0.5 0.25\n-1 1e-3\n"),
+        ("PSA, comment below the count", b"2\n# set\n0.5 0.25\n-1 1e-3\n"),
+        ("header, comment below it", b"x,y\n# set\n0.5,0.25\n-1,1e-3\n"),
         ("PSA, commented", b"# set\n2 # points\n\n(0.5 0.25)\n(-1 1e-3)\n"),
     ];
     for (what, bytes) in varieties {
@@ -124,7 +126,7 @@ fn numbers_are_the_nearest_f64() {
     let sets = read("a.txt", text).unwrap();
     assert_eq!(
         sets[0].coordinates,
-        [0.1, 0.1 + 0.2, 9007199254740992.0, 2.2250738585072011e-308, 0.0, 1.0 - 2f64.powi(-53)]
+        [0.1, 0.1 + 0.2, 9007199254740992.0, 2.225_073_858_507_201e-308, 0.0, 1.0 - 2f64.powi(-53)]
     );
 }
 
@@ -193,6 +195,9 @@ fn bad_text_names_line_text_and_expectation() {
             "a,b,c,d\n1,2,3,4\n",
             r#"a.txt:1: 4 columns, none named x; expected columns named x, y[, z], or 1 to 3 columns, in "a,b,c,d""#,
         ),
+        ("id,lon,lat\n1,2,3\n", r#"a.txt:1: a column named "id" and none named x; expected columns named x, y[, z]"#),
+        (",lon,lat\n1,2,3\n", r#"a.txt:1: a column named "" and none named x; expected columns named x, y[, z]"#),
+        ("5\n#\n7\n", "a.txt:1: announces 5 points, found 1"),
         ("x,y,X\n1,2,3\n", "a.txt:1: two columns are named x"),
         ("x,y\n1,2\n#\ny,x\n3,4\n", "a.txt:4: this header differs from the columns of line 1"),
         ("x,y\nx,y\n1,2\n", r#"a.txt:2: "x" is not a number; expected 2 numbers per line as in line 1"#),

@@ -25,19 +25,17 @@ pub(super) fn is_text(bytes: &[u8]) -> bool {
     !head.iter().any(control) && (foreign <= head.len() / 4 || std::str::from_utf8(head).is_ok())
 }
 
-/// Whether `bytes` are text in UTF-16: by their mark, or by every other byte being zero.
+/// Whether `bytes` are text in UTF-16, with a mark or without: points are digits, so most pairs of bytes are ASCII and 0.
 pub(super) fn is_utf16(bytes: &[u8]) -> bool {
     let (pairs, _) = bytes[..bytes.len().min(HEAD)].as_chunks::<2>();
-    let plain = |b: u8| b == b'\t' || b == b'\n' || b == b'\r' || (b' '..0x7f).contains(&b);
-    let little = pairs.iter().all(|&[lo, hi]| hi == 0 && plain(lo));
-    let big = pairs.iter().all(|&[hi, lo]| hi == 0 && plain(lo));
-    let marked = |mark, rest: bool| pairs.first() == Some(&mark) && rest;
-    let skip_mark = pairs.get(1..).unwrap_or_default();
-    !pairs.is_empty()
-        && (little
-            || big
-            || marked([0xff, 0xfe], skip_mark.iter().all(|&[lo, hi]| hi != 0 || plain(lo)))
-            || marked([0xfe, 0xff], skip_mark.iter().all(|&[hi, lo]| hi != 0 || plain(lo))))
+    let pairs = match pairs {
+        [[0xff, 0xfe] | [0xfe, 0xff], rest @ ..] => rest,
+        all => all,
+    };
+    let plain = |b: u8| matches!(b, b'\t' | b'\n' | b'\r' | b' '..=b'~');
+    let little = pairs.iter().filter(|&&[lo, hi]| hi == 0 && plain(lo)).count();
+    let big = pairs.iter().filter(|&&[hi, lo]| hi == 0 && plain(lo)).count();
+    4 * little.max(big) > 3 * pairs.len()
 }
 
 /// Every realization in the text `bytes` of file `name`. `dim` tells a lone leading integer from a point in 1-D.
@@ -130,7 +128,11 @@ impl<'a> Parser<'a> {
         let hole = split_loosely(content, &mut self.fields);
         if self.fields.is_empty() {
             if let Some(comment) = comment {
-                self.end_set()?;
+                if !self.lines.is_empty() {
+                    self.end_set()?;
+                }
+                // Points in 1-D have no comment after the first; a count may.
+                self.announced = self.announced.or(self.undecided.take());
                 self.comment = comment.to_vec();
             }
             return Ok(());
@@ -189,6 +191,12 @@ impl<'a> Parser<'a> {
         if columns.is_empty() && width > 3 {
             let reason = format!("{width} columns, none named x; expected columns named x, y[, z], or 1 to 3 columns");
             return self.fail(line, format!("{reason}, in {}", shown(content)));
+        }
+        if columns.is_empty()
+            && let Some(label) = names.iter().find(|n| is_label(n))
+        {
+            let reason = format!("a column named {} and none named x; expected columns named x, y[, z]", shown(label));
+            return self.fail(line, reason);
         }
         let columns = if columns.is_empty() { (0..width).collect() } else { columns };
         if let Some(known) = self.layout.as_ref().filter(|l| l.width != width || l.columns != columns) {
@@ -395,6 +403,11 @@ fn could_be_name(field: &[u8]) -> bool {
     let missing = [b"na".as_slice(), b"n/a", b"null", b"none"].iter().any(|word| name.eq_ignore_ascii_case(word));
     let start = name.first().is_none_or(|&b| b.is_ascii_alphabetic() || b == b'_' || !b.is_ascii());
     start && !missing && number(name).is_none()
+}
+
+/// Whether a column of this name numbers the points: it must not pass for a coordinate where no column is named x.
+fn is_label(name: &[u8]) -> bool {
+    [b"".as_slice(), b"id", b"index", b"no"].iter().any(|label| name.eq_ignore_ascii_case(label))
 }
 
 /// The columns named x, y, z among `names`, none if there is no x; or the name that is there twice.
