@@ -35,7 +35,8 @@ impl RawPoints {
     /// Where point `j` stands, for error messages: `trees.csv:17` or `batch.npy, realization 0, point 16`.
     pub fn place(&self, j: usize) -> String {
         match self.lines.get(j) {
-            Some(line) => format!("{}:{line}", self.source),
+            // The line says it all.
+            Some(line) => format!("{}:{line}", self.source.split(", realization ").next().unwrap_or(&self.source)),
             None => format!("{}, point {j}", self.source),
         }
     }
