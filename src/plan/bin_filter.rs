@@ -7,8 +7,9 @@
 //! slot `e` (below edge `e`), slot `e + 1` (at or above it), or *undecided*, to be settled by
 //! `R2 >= thresholds[e]` in integers.
 //!
-//! How wrong can `r2` be? Rounding both coordinates to 32 bits moves each difference by at most one step, so `r` by
-//! at most `sqrt(dim)` steps: the absolute guard. Converting, squaring and adding in f32 costs at most 5 roundings of
+//! How wrong can `r2` be? Rounding both coordinates to 32 bits moves each difference by at most one step, and rounding
+//! the period of a shorter side of a torus by half a step more, so `r` by at most `1.5 sqrt(dim)` steps: the absolute
+//! guard. Converting, squaring and adding in f32 costs at most 5 roundings of
 //! 2^-24 relative in `r2`: the relative guard, doubled for devices whose sqrt is off by several ulp.
 
 use super::{BinScale, RadialBins};
@@ -60,7 +61,8 @@ impl BinFilter {
     /// The filter for these bins in this domain.
     pub fn new(bins: &RadialBins, domain: &Domain) -> Self {
         let steps_per_length = 2f64.powi(32) / domain.length_unit();
-        let displaced = (domain.dim() as f64).sqrt() * 1.01;
+        let per_axis = if domain.is_cubic() { 1.0 } else { 1.5 };
+        let displaced = per_axis * (domain.dim() as f64).sqrt() * 1.01;
         if bins.scale() == BinScale::Linear {
             let bins_per_step = bins.len() as f64 / (bins.r_max() * steps_per_length);
             return Self::Linear {
