@@ -39,6 +39,9 @@ fn table(cpu: &Cpu) {
             ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins)),
         ] {
             let Ok(bins) = bins else { continue };
+            if !wanted(&name(what)) {
+                continue;
+            }
             let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape(&ensemble)) else { continue };
             let rate = best(level, &mut limit, plan.pairs() * 1e-9, || {
                 let counts = cpu.pair_counts(&plan, &ensemble, &Control::default());
@@ -54,6 +57,10 @@ fn table(cpu: &Cpu) {
         (Accuracy::High, 16_384, 1, 64),
         (Accuracy::High, 8192, 1, 256),
     ] {
+        let name = format!("spectrum 2D {}, {k} x n = {n}, M = {m}", accuracy.name());
+        if !wanted(&name) {
+            continue;
+        }
         let ensemble = uniform(2, n, k);
         let Ok(grid) = WaveGrid::new(&[m, m]) else { continue };
         let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape(&ensemble)) else { continue };
@@ -61,9 +68,14 @@ fn table(cpu: &Cpu) {
         let rate = best(level, &mut limit, gflop, || {
             assert!(cpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
         });
-        print(&format!("spectrum 2D {}, {k} x n = {n}, M = {m}", accuracy.name()), rate, "GFLOP/s", limit);
+        print(&name, rate, "GFLOP/s", limit);
     }
     println!("{:<52} {limit:>10.2} {:>12}", "f32 multiply-add limit", "GFLOP/s");
+}
+
+/// `cargo bench --bench throughput -- WORD...` keeps the rows that contain every word.
+fn wanted(name: &str) -> bool {
+    std::env::args().skip(1).filter(|a| !a.starts_with('-')).all(|word| name.contains(&word))
 }
 
 fn print(name: &str, rate: f64, unit: &str, limit: f64) {
