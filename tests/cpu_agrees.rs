@@ -102,10 +102,10 @@ fn counts_are_equal_on_unequal_tori() {
         let torus = Domain::torus(sides).unwrap();
         let r = torus.shortest_side() / 2.0;
         let dim = sides.len();
-        let sets = ensemble_in(&torus, &[uniform(dim, 400, 1), lattice(dim, 6), clustered(dim, 300, 2)]);
+        let sets = ensemble_in(&torus, &[uniform(dim, 120, 1), lattice(dim, 5), clustered(dim, 80, 2)]);
         for bins in [
             RadialBins::linear(r, 12).unwrap(),
-            RadialBins::linear(r, 100_000).unwrap(),
+            RadialBins::linear(r, 30_000).unwrap(),
             RadialBins::logarithmic(r * 1e-3, r, 50).unwrap(),
         ] {
             counts_are_equal(&format!("sides {sides:?}"), &pair_plan(&sets, bins, Correction::None), &sets);

@@ -12,7 +12,7 @@ const GROUP: usize = 8;
 struct Term {
     axis: usize,
     /// Component along the axis, padded to whole groups.
-    m: Vec<i32>,
+    m: Vec<[i32; GROUP]>,
 }
 
 /// A list of integer vectors `m`, as the kernels want it.
@@ -32,9 +32,8 @@ impl Table {
     /// The list `m`, all zero along axes that are not in `axes`.
     pub(super) fn new(axes: &[usize], m: &[[i32; 3]]) -> Self {
         let term = |&axis: &usize| {
-            let mut m: Vec<i32> = m.iter().map(|m| m[axis]).collect();
-            m.resize(m.len().next_multiple_of(GROUP), 0);
-            Term { axis, m }
+            let group = |group: &[[i32; 3]]| std::array::from_fn(|l| group.get(l).map_or(0, |m| m[axis]));
+            Term { axis, m: m.chunks(GROUP).map(group).collect() }
         };
         Self { len: m.len(), terms: axes.iter().map(term).collect() }
     }
@@ -138,25 +137,24 @@ pub(super) mod fill {
             let x: [u64; T] = std::array::from_fn(|t| panel.axes[terms[t].axis][p]);
             let high = x.map(|x| (x >> 32) as u32);
             let low = x.map(|x| x as u32 as f32 * 2f32.powi(-32));
-            let (cos, sin) = (0, len);
             // Downwards, since the last group of cosines reaches into the first of the sines.
             for group in (0..groups).rev() {
-                let mut c = [0.0; GROUP];
-                let mut s = [0.0; GROUP];
-                for l in 0..GROUP {
-                    let mut phase = 0u32;
-                    for t in 0..T {
-                        let m = terms[t].m[group * GROUP + l];
-                        phase = phase.wrapping_add((m as u32).wrapping_mul(high[t]));
+                let mut phases = [0u32; GROUP];
+                for t in 0..T {
+                    let m = &terms[t].m[group];
+                    for (phase, &m) in phases.iter_mut().zip(m) {
                         // What the low half of x carries into the upper half of m x: below 2^22, and good to half a
                         // step of 2^-32. Adding 1.5 * 2^23 rounds it to an integer in the low bits.
-                        let carry = m as f32 * low[t] + 12_582_912.0;
-                        phase = phase.wrapping_add(carry.to_bits().wrapping_sub(0x4b40_0000));
+                        let carry = (m as f32 * low[t] + 12_582_912.0).to_bits().wrapping_sub(0x4b40_0000);
+                        *phase = phase.wrapping_add((m as u32).wrapping_mul(high[t])).wrapping_add(carry);
                     }
-                    (c[l], s[l]) = turn_f32::<FMA>(phase);
                 }
-                row[cos + group * GROUP..][..GROUP].copy_from_slice(&c);
-                row[sin + group * GROUP..][..GROUP].copy_from_slice(&s);
+                let (mut c, mut s) = ([0.0; GROUP], [0.0; GROUP]);
+                for ((c, s), &phase) in c.iter_mut().zip(&mut s).zip(&phases) {
+                    (*c, *s) = turn_f32::<FMA>(phase);
+                }
+                row[group * GROUP..][..GROUP].copy_from_slice(&c);
+                row[len + group * GROUP..][..GROUP].copy_from_slice(&s);
             }
         }
     }
@@ -183,15 +181,15 @@ pub(super) mod fill {
         for (p, row) in out.chunks_exact_mut(stride).take(panel.axes[0].len()).enumerate() {
             let x: [u64; T] = std::array::from_fn(|t| panel.axes[terms[t].axis][p]);
             for group in (0..groups).rev() {
-                let mut c = [0.0; GROUP];
-                let mut s = [0.0; GROUP];
-                for l in 0..GROUP {
-                    let mut phase = 0u64;
-                    for t in 0..T {
-                        let m = i64::from(terms[t].m[group * GROUP + l]) as u64;
-                        phase = phase.wrapping_add(m.wrapping_mul(x[t]));
+                let mut phases = [0u64; GROUP];
+                for t in 0..T {
+                    for (phase, &m) in phases.iter_mut().zip(&terms[t].m[group]) {
+                        *phase = phase.wrapping_add((i64::from(m) as u64).wrapping_mul(x[t]));
                     }
-                    (c[l], s[l]) = turn_f64::<FMA>(phase);
+                }
+                let (mut c, mut s) = ([0.0; GROUP], [0.0; GROUP]);
+                for ((c, s), &phase) in c.iter_mut().zip(&mut s).zip(&phases) {
+                    (*c, *s) = turn_f64::<FMA>(phase);
                 }
                 row[group * GROUP..][..GROUP].copy_from_slice(&c);
                 row[len + group * GROUP..][..GROUP].copy_from_slice(&s);

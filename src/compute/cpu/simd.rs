@@ -703,7 +703,8 @@ pub fn fma_gflop(level: SimdLevel, rounds: u32) -> (f64, f32) {
 #[target_feature(enable = "avx2,fma")]
 fn fma_avx2(rounds: u32) -> (f64, f32) {
     let (a, b) = (_mm256_set1_ps(0.999), _mm256_set1_ps(0.001));
-    let mut sums = [_mm256_set1_ps(1.0); 12];
+    // Different beginnings, or the compiler keeps only one of the chains.
+    let mut sums: [__m256; 12] = std::array::from_fn(|k| _mm256_set1_ps(k as f32));
     for _ in 0..rounds {
         for sum in &mut sums {
             *sum = _mm256_fmadd_ps(*sum, a, b);
