@@ -35,6 +35,8 @@ pub struct Analysis {
     pub kernel: Option<KernelEstimate>,
     /// P on the grid.
     pub spectrum: Option<PowerSpectrum>,
+    /// Whether the grid itself was asked for, not only its rings.
+    pub grid_wanted: bool,
     /// Radial mean and anisotropy.
     pub radial: Option<RadialSpectrum>,
     /// The rings behind `radial`.
@@ -335,7 +337,8 @@ pub fn run(
         min_points: points.0,
         pair_correlation,
         kernel,
-        spectrum: spectrum.filter(|_| plan.grid_wanted),
+        spectrum,
+        grid_wanted: plan.grid_wanted,
         radial,
         rings: plan.waves.as_ref().map(|w| w.rings.clone()),
         neighbors: neighbors.map(|n| n.summary()),

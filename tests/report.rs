@@ -138,9 +138,8 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     a.closed_form.name = "jittered".into();
     a.closed_form.g = Some(a.pair_correlation.as_ref().unwrap().r.iter().map(|&r| jittered_g(side, r)).collect());
     let s = side as f64;
-    a.closed_form.radial = Some(ring_means(&a, |m| {
-        1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)
-    }));
+    a.closed_form.radial =
+        Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
     let ensemble = ensemble(&sets);
     let kernel = Kernel::new(SmoothingKernel::Epanechnikov, None, &unit(2), n as f64).unwrap();
     let fine = pair_plan(&ensemble, kernel.fine_bins(r_max(n), &unit(2)).unwrap(), Correction::None);
@@ -455,10 +454,7 @@ fn an_existing_result_needs_force() {
     report::write(&dir, &small(), false).unwrap();
     let refusal = report::write(&dir, &small(), false).unwrap_err();
     assert_eq!(refusal.exit_code(), 2);
-    assert_eq!(
-        refusal.to_string(),
-        format!("--out {}: holds a result already; --force replaces it", dir.display())
-    );
+    assert_eq!(refusal.to_string(), format!("--out {}: holds a result already; --force replaces it", dir.display()));
     assert!(report::check_out(&dir, false).is_err());
     report::check_out(&dir, true).unwrap();
 

@@ -334,8 +334,7 @@ pub(super) fn picture(
 ) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
     let mut drawn = String::new();
     {
-        let root =
-            SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
         draw(&root)?;
         root.present()?;
     }

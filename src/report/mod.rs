@@ -4,6 +4,7 @@
 //! `report.html` only.
 
 mod figure;
+mod headline;
 mod html;
 mod npy;
 mod plots;
@@ -12,6 +13,8 @@ mod spectrum_image;
 mod summary;
 mod table;
 mod text;
+
+pub use headline::headline;
 
 use std::fs;
 use std::io;
@@ -45,7 +48,9 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
         return setting("expected a directory".into());
     }
     match fs::metadata(dir) {
-        Ok(found) if !found.is_dir() => return setting("is a file; expected a directory, or a path to create one".into()),
+        Ok(found) if !found.is_dir() => {
+            return setting("is a file; expected a directory, or a path to create one".into());
+        }
         Ok(_) if !force => {
             if dir.join(SUMMARY).symlink_metadata().is_ok() {
                 return setting("holds a result already; --force replaces it".into());
@@ -168,7 +173,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     let mut files = Written { dir, done: Vec::new() };
     files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
-    if let Some(spectrum) = &analysis.spectrum {
+    if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
         if analysis.shape.realizations >= 2 {
@@ -181,7 +186,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
         ..Default::default()
     };
-    if let Some(spectrum) = &analysis.spectrum {
+    if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         match spectrum_image::render(spectrum) {
             Ok(Some(image)) => {
                 files.add("spectrum.png", Some(Ok(&image.png)));

@@ -161,8 +161,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     let outside = defined.iter().filter(|a| !y.contains(a)).count();
 
     let interval = |r: &crate::estimate::Ring| (r.nu_lo, r.nu, r.nu_hi);
-    let scatter =
-        rings.iter().map(|r| (interval(r), r.anisotropy_db_se.map(|se| (reference - se, reference + se))));
+    let scatter = rings.iter().map(|r| (interval(r), r.anisotropy_db_se.map(|se| (reference - se, reference + se))));
     let db = human(reference);
     let mut layers = vec![
         Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(scatter) },
@@ -224,8 +223,7 @@ fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
     let (counted, headroom) = if 2 * calm.len() >= finite.len() { (calm, 6.0) } else { (finite, 2.5) };
     let bulk: Vec<f64> = counted.iter().map(|v| v.0).collect();
     let reach = |&(v, se): &(f64, f64)| if se.is_finite() { v + se } else { v };
-    let all: Vec<f64> =
-        counted.iter().map(reach).chain(smooth.iter().copied().filter(|v| v.is_finite())).collect();
+    let all: Vec<f64> = counted.iter().map(reach).chain(smooth.iter().copied().filter(|v| v.is_finite())).collect();
     let limit = headroom * quantile(&bulk, 0.95).unwrap_or(1.0).max(1.0);
     let highest = extent(&all).map_or(1.0, |e| e.1);
     1.06 * highest.min(limit).max(1.3)

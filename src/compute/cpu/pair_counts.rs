@@ -237,8 +237,12 @@ impl Tally {
             };
             match filter {
                 Filter::Linear(linear) => simd::linear(level, &job, &linear.one_copy(), sink, undecided),
-                Filter::Table(table) => simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided),
-                Filter::Near(beyond) => simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided),
+                Filter::Table(table) => {
+                    simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided)
+                }
+                Filter::Near(beyond) => {
+                    simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
+                }
             }
             for pair in undecided.drain(..) {
                 if let Some(bin) = settle(plan, set, &pair) {
