@@ -364,6 +364,8 @@ unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize
     undecided: &mut Vec<Undecided>,
 ) {
     let mut slots = [0u32; COLUMNS + LANES];
+    // Where groups of 16 with undecided pairs begin: kept for later, so that the loop has no branches or calls.
+    let mut flagged = [0u32; COLUMNS / 16 + 1];
     let below = _mm256_set1_ps(linear.below);
     let above = _mm256_set1_ps(linear.above);
     let guard = _mm256_set1_ps(linear.guard);
@@ -403,8 +405,8 @@ unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize
             let upper = _mm256_cvttps_epi32(_mm256_fmadd_ps(r, above, guard));
             (_mm256_min_epu32(_mm256_add_epi32(lower, base), last), _mm256_cmpeq_epi32(lower, upper))
         };
-        let mut o = 0;
-        while o < len {
+        let mut flags = 0;
+        for o in (0..len).step_by(16) {
             let (index0, decided0) = eight(o);
             let (index1, decided1) = eight(o + 8);
             // SAFETY: `o + 16` is at most `COLUMNS + LANES`.
@@ -413,12 +415,15 @@ unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize
                 _mm256_storeu_si256(to.cast(), index0);
                 _mm256_storeu_si256(to.add(8).cast(), index1);
             }
-            if _mm256_movemask_epi8(_mm256_and_si256(decided0, decided1)) != -1 {
-                let mask0 = !_mm256_movemask_ps(_mm256_castsi256_ps(decided0)) as u32 & 0xff;
-                let mask1 = !_mm256_movemask_ps(_mm256_castsi256_ps(decided1)) as u32 & 0xff;
-                set_aside(mask0 | mask1 << 8, i, first + o, linear, &mut slots[o..o + 16], len - o, undecided);
-            }
-            o += 16;
+            let decided = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(decided0, decided1)));
+            flagged[flags] = o as u32;
+            flags += usize::from(decided != 0xff);
+        }
+        for &o in &flagged[..flags] {
+            let o = o as usize;
+            let [mask0, mask1] =
+                [eight(o).1, eight(o + 8).1].map(|d| !_mm256_movemask_ps(_mm256_castsi256_ps(d)) as u32 & 0xff);
+            set_aside(mask0 | mask1 << 8, i, first + o, linear, &mut slots[o..o + 16], len - o, undecided);
         }
         sink(i, first, &slots[..len]);
     }
@@ -435,6 +440,8 @@ unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usi
     undecided: &mut Vec<Undecided>,
 ) {
     let mut slots = [0u32; COLUMNS + LANES];
+    // Where groups of 16 with undecided pairs begin: kept for later, so that the loop has no branches or calls.
+    let mut flagged = [0u32; COLUMNS / 16 + 1];
     let below = _mm512_set1_ps(linear.below);
     let above = _mm512_set1_ps(linear.above);
     let guard = _mm512_set1_ps(linear.guard);
@@ -455,8 +462,8 @@ unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usi
         }
         let len = job.columns.end - first;
         let own: [__m512i; D] = std::array::from_fn(|k| _mm512_set1_epi32(job.axes[k][i] as i32));
-        let mut o = 0;
-        while o < len {
+        // The index of 16 pairs, and which of them are undecided.
+        let sixteen = |o: usize| {
             let mut r2 = _mm512_setzero_ps();
             for k in 0..D {
                 // SAFETY: `first + o + 16` is at most `columns.end + 15`.
@@ -474,13 +481,19 @@ unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usi
             let lower = _mm512_cvttps_epi32(_mm512_fmsub_ps(r, below, guard));
             let upper = _mm512_cvttps_epi32(_mm512_fmadd_ps(r, above, guard));
             let index = _mm512_min_epu32(_mm512_add_epi32(lower, base), last);
-            let mask = _mm512_cmpneq_epi32_mask(lower, upper);
+            (index, u32::from(_mm512_cmpneq_epi32_mask(lower, upper)))
+        };
+        let mut flags = 0;
+        for o in (0..len).step_by(16) {
+            let (index, mask) = sixteen(o);
             // SAFETY: `o + 16` is at most `COLUMNS + LANES`.
             unsafe { _mm512_storeu_si512(slots.as_mut_ptr().add(o).cast(), index) };
-            if mask != 0 {
-                set_aside(u32::from(mask), i, first + o, linear, &mut slots[o..o + 16], len - o, undecided);
-            }
-            o += 16;
+            flagged[flags] = o as u32;
+            flags += usize::from(mask != 0);
+        }
+        for &o in &flagged[..flags] {
+            let o = o as usize;
+            set_aside(sixteen(o).1, i, first + o, linear, &mut slots[o..o + 16], len - o, undecided);
         }
         sink(i, first, &slots[..len]);
     }
