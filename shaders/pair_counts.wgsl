@@ -98,11 +98,30 @@ fn settle(answer: u32, i: u32, j: u32) -> u32 {
     return low - 1u;
 }
 
-fn count_pair(p: vec3<u32>, i: u32, q: vec3<u32>, j: u32, lane: u32, first_word: u32) {
-    var bin = bins_find(torus_squared_distance(p, q));
-    // Rare, and dear: kept out of the way of the pairs that are clear of every edge.
-    if (bin >= UNDECIDED) { bin = settle(bin, i, j); }
-    if (bin < BINS) { histogram_add(bin, lane, first_word); }
+// The bins of four pairs (i.x, j) .. (i.w, j), as the filter found them. Few need settling: one loop for all four keeps the
+// code short and out of the way.
+fn count_pairs(bins: vec4<u32>, i: vec4<u32>, j: u32, lane: u32, first_word: u32) {
+    if (bins.x < BINS) { histogram_add(bins.x, lane, first_word); }
+    if (bins.y < BINS) { histogram_add(bins.y, lane, first_word); }
+    if (bins.z < BINS) { histogram_add(bins.z, lane, first_word); }
+    if (bins.w < BINS) { histogram_add(bins.w, lane, first_word); }
+    if (any(bins >= vec4<u32>(UNDECIDED))) {
+        for (var k = 0u; k < 4u; k++) {
+            if (bins[k] >= UNDECIDED) {
+                let bin = settle(bins[k], i[k], j);
+                if (bin < BINS) { histogram_add(bin, lane, first_word); }
+            }
+        }
+    }
+}
+
+fn find_bins(p0: vec3<u32>, p1: vec3<u32>, p2: vec3<u32>, p3: vec3<u32>, q: vec3<u32>) -> vec4<u32> {
+    return vec4<u32>(
+        bins_find(torus_squared_distance(p0, q)),
+        bins_find(torus_squared_distance(p1, q)),
+        bins_find(torus_squared_distance(p2, q)),
+        bins_find(torus_squared_distance(p3, q)),
+    );
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -114,19 +133,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let tiles = (job.points + TILE - 1u) / TILE;
     let base = job.tile * TILE;
     let last = job.first_point + job.points - 1u;
+    let local = vec4<u32>(lane) + WORKGROUP * vec4<u32>(0u, 1u, 2u, 3u);
     // Lanes past the last point hold it again, and count nothing.
-    let local0 = lane;
-    let local1 = lane + WORKGROUP;
-    let local2 = lane + 2u * WORKGROUP;
-    let local3 = lane + 3u * WORKGROUP;
-    let i0 = min(job.first_point + base + local0, last);
-    let i1 = min(job.first_point + base + local1, last);
-    let i2 = min(job.first_point + base + local2, last);
-    let i3 = min(job.first_point + base + local3, last);
-    let p0 = load_rounded(i0);
-    let p1 = load_rounded(i1);
-    let p2 = load_rounded(i2);
-    let p3 = load_rounded(i3);
+    let i = min(vec4<u32>(job.first_point + base) + local, vec4<u32>(last));
+    let p0 = load_rounded(i.x);
+    let p1 = load_rounded(i.y);
+    let p2 = load_rounded(i.z);
+    let p3 = load_rounded(i.w);
     let held = min(TILE, job.points - base);
 
     for (var step = 0u; step < job.steps; step++) {
@@ -145,24 +158,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if (other == job.tile || held < TILE) {
             // Within a tile each pair is met twice: only j < i counts.
             let diagonal = other == job.tile;
-            let end0 = select(0u, select(length, local0, diagonal), local0 < held);
-            let end1 = select(0u, select(length, local1, diagonal), local1 < held);
-            let end2 = select(0u, select(length, local2, diagonal), local2 < held);
-            let end3 = select(0u, select(length, local3, diagonal), local3 < held);
+            let end = select(vec4<u32>(0u), select(vec4<u32>(length), local, diagonal), local < vec4<u32>(held));
             for (var j = 0u; j < length; j++) {
-                let q = load_tile(j);
-                if (j < end0) { count_pair(p0, i0, q, other_first + j, lane, first_word); }
-                if (j < end1) { count_pair(p1, i1, q, other_first + j, lane, first_word); }
-                if (j < end2) { count_pair(p2, i2, q, other_first + j, lane, first_word); }
-                if (j < end3) { count_pair(p3, i3, q, other_first + j, lane, first_word); }
+                let bins = select(vec4<u32>(OUTSIDE), find_bins(p0, p1, p2, p3, load_tile(j)), vec4<u32>(j) < end);
+                count_pairs(bins, i, other_first + j, lane, first_word);
             }
         } else {
             for (var j = 0u; j < length; j++) {
-                let q = load_tile(j);
-                count_pair(p0, i0, q, other_first + j, lane, first_word);
-                count_pair(p1, i1, q, other_first + j, lane, first_word);
-                count_pair(p2, i2, q, other_first + j, lane, first_word);
-                count_pair(p3, i3, q, other_first + j, lane, first_word);
+                count_pairs(find_bins(p0, p1, p2, p3, load_tile(j)), i, other_first + j, lane, first_word);
             }
         }
     }

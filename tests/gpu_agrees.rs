@@ -5,6 +5,7 @@
 
 mod common;
 
+use std::io::Write;
 use std::sync::OnceLock;
 
 use common::*;
@@ -19,11 +20,16 @@ fn open(test: &str) -> Option<GpuCompute> {
     match GpuCompute::open(AdapterChoice::Any) {
         Ok(gpu) => Some(gpu),
         Err(why @ Error::NoDevice { .. }) if adapters().is_empty() && allowed() => {
-            println!("{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and {why}");
+            say_skipped(test, &why.to_string());
             None
         }
         Err(why) => panic!("{test}: {why} (PAIRWAVE_ALLOW_NO_GPU=1 skips where there is no driver)"),
     }
+}
+
+/// Not `println`, which the test harness keeps to itself where a test passes.
+fn say_skipped(test: &str, why: &str) {
+    writeln!(std::io::stderr(), "{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and {why}").unwrap();
 }
 
 fn allowed() -> bool {
@@ -35,7 +41,7 @@ fn shared(test: &str) -> Option<&'static GpuCompute> {
     static GPU: OnceLock<Option<GpuCompute>> = OnceLock::new();
     let gpu = GPU.get_or_init(|| open(test)).as_ref();
     if gpu.is_none() {
-        println!("{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and there is no driver");
+        say_skipped(test, "there is no driver");
     }
     gpu
 }
@@ -116,6 +122,23 @@ fn many_small_realizations() {
     let plan = wave_plan(&ensemble, &[6, 6], Accuracy::Fast);
     let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap();
     assert_power_within("500 sets", Accuracy::Fast, &here, &reference_power(&plan, &ensemble));
+}
+
+#[test]
+fn empty_realizations_are_zeros() {
+    let Some(gpu) = shared("empty") else { return };
+    for sets in [vec![uniform(2, 0, 1)], vec![uniform(2, 0, 1), uniform(2, 1, 2), uniform(2, 0, 3)]] {
+        let ensemble = ensemble(&sets);
+        let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 8).unwrap(), Correction::None);
+        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        assert_counts_equal("empty", &here, &reference_counts(&plan, &ensemble));
+        let plan = wave_plan(&ensemble, &[4, 4], Accuracy::Fast);
+        let (here, truth) = (gpu.wave_power(&plan, &ensemble, &go()).unwrap(), reference_power(&plan, &ensemble));
+        assert_eq!((here.n_moments, here.realizations), (truth.n_moments, truth.realizations));
+        for (a, b) in here.totals().0.q.iter().zip(&truth.totals().0.q) {
+            assert!((a - b).abs() <= 1e-6, "{a} against {b}");
+        }
+    }
 }
 
 #[test]

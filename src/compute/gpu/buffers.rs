@@ -26,8 +26,8 @@ impl Gpu {
     fn buffer(&self, label: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let descriptor = wgpu::BufferDescriptor {
             label: Some(label),
-            // A binding must not be empty, and a write is a multiple of 4 bytes.
-            size: bytes.next_multiple_of(16).max(16),
+            // A binding holds at least one element, the largest of which has 32 bytes; a write is a multiple of 4.
+            size: bytes.next_multiple_of(16).max(32),
             usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         };
@@ -66,27 +66,51 @@ impl Gpu {
         buffer
     }
 
-    /// Submits what `encoder` holds, waits, and returns the first `len` values of `source`.
-    pub(super) fn read_back<T: Pod>(
+    /// Submits what `encoder` holds, to be followed by a copy of the first `len` values of `source` to the host.
+    pub(super) fn submit_and_read<T: Pod>(
         &self,
         what: &'static str,
         mut encoder: wgpu::CommandEncoder,
         source: &wgpu::Buffer,
         len: usize,
-    ) -> Result<Vec<T>> {
+    ) -> ReadBack {
         let bytes = (len * size_of::<T>()) as u64;
         let staging = self.buffer("read_back", bytes, wgpu::BufferUsages::MAP_READ);
         encoder.copy_buffer_to_buffer(source, 0, &staging, 0, bytes);
         let submission = self.queue.submit([encoder.finish()]);
-        let (sender, receiver) = mpsc::channel();
+        let (sender, answer) = mpsc::channel();
         // The receiver may be gone after a timeout; then nobody is interested.
         staging.map_async(wgpu::MapMode::Read, 0..bytes, move |result| drop(sender.send(result)));
-        self.wait(what, submission)?;
-        receiver
-            .try_recv()
-            .map_err(|_| self.error(what, "the device did not answer"))?
-            .map_err(|e| self.error(what, e))?;
-        let view = staging.get_mapped_range(0..bytes).map_err(|e| self.error(what, e))?;
+        ReadBack { what, staging, bytes, submission, answer }
+    }
+
+    /// Waits for a submission and returns what it read.
+    pub(super) fn finish<T: Pod>(&self, read: ReadBack) -> Result<Vec<T>> {
+        let what = read.what;
+        self.wait(what, read.submission)?;
+        let answer = read.answer.try_recv().map_err(|_| self.error(what, "the device did not answer"))?;
+        answer.map_err(|e| self.error(what, e))?;
+        let view = read.staging.get_mapped_range(0..read.bytes).map_err(|e| self.error(what, e))?;
         Ok(bytemuck::pod_collect_to_vec(&view))
     }
+
+    /// Submits, waits and reads in one go.
+    pub(super) fn read_back<T: Pod>(
+        &self,
+        what: &'static str,
+        encoder: wgpu::CommandEncoder,
+        source: &wgpu::Buffer,
+        len: usize,
+    ) -> Result<Vec<T>> {
+        self.finish(self.submit_and_read::<T>(what, encoder, source, len))
+    }
+}
+
+/// A copy to the host under way.
+pub(super) struct ReadBack {
+    what: &'static str,
+    staging: wgpu::Buffer,
+    bytes: u64,
+    submission: wgpu::SubmissionIndex,
+    answer: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
 }

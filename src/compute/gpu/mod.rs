@@ -42,7 +42,7 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// Below a second per submission: on hardware from 2e9 pairs/s and 1e11 flop/s on, on software from 6e7 and 1e9.
+    /// About a second per submission at worst: on hardware from 2e9 pairs/s and 1e11 flop/s on, on software from 6e7 and 1e9.
     fn new(software: bool) -> Self {
         Self {
             pairs_per_dispatch: if software { 1 << 26 } else { 1 << 31 },

@@ -205,6 +205,13 @@ pub(super) fn pair_counts(
     }
 
     let mut counts = vec![0u64; realizations * bins];
+    let mut collect = |range: Range<usize>, found: Vec<u32>| {
+        for (sum, c) in counts[range.start * bins..range.end * bins].iter_mut().zip(found) {
+            // Each unordered pair is two ordered ones.
+            *sum += 2 * u64::from(c);
+        }
+    };
+    let mut under_way = None;
     let mut held: Option<(Range<usize>, [wgpu::Buffer; 2])> = None;
     gpu.guarded(NAME, || {
         let thresholds = gpu.upload("thresholds", &thresholds, tuning.fill);
@@ -230,11 +237,14 @@ pub(super) fn pair_counts(
                 buffers.extend(&table);
             }
             kernel.dispatch(gpu, &mut encoder, &buffers, dispatch.jobs.len() as u32);
-            let found: Vec<u32> = gpu.read_back(NAME, encoder, &histograms, words)?;
-            for (sum, c) in counts[range.start * bins..range.end * bins].iter_mut().zip(found) {
-                // Each unordered pair is two ordered ones.
-                *sum += 2 * u64::from(c);
+            let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
+            // One submission ahead: the device has work while the host adds up.
+            if let Some((range, read)) = under_way.replace((range, read)) {
+                collect(range, gpu.finish(read)?);
             }
+        }
+        if let Some((range, read)) = under_way {
+            collect(range, gpu.finish(read)?);
         }
         Ok(())
     })?;

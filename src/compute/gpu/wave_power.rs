@@ -139,7 +139,8 @@ pub(super) fn wave_power(
         // As many realizations as fit with the whole grid, or one and a part of it.
         let (mut end, mut points, mut chunks) = (first, 0, 0);
         while end < sizes.len() {
-            let more = sizes[end].div_ceil(CHUNK);
+            // Without points there are no chunks, but |s|^2 = 0 takes room, too.
+            let more = sizes[end].div_ceil(CHUNK).max(1);
             let fits = points + sizes[end] <= points_cap && (chunks + more) * grid_rows * grid_columns <= sums_cap;
             if end > first && !fits {
                 break;
