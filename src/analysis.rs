@@ -11,7 +11,7 @@ use crate::estimate::{
     Kernel, KernelEstimate, NearestNeighbors, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
     RadialSpectrum, neighbor_distances,
 };
-use crate::plan::{Accuracy, BinScale, Correction, EnsembleShape, PairPlan, RadialBins, Rings, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Request, Statistic};
 use crate::source::Source;
@@ -39,8 +39,6 @@ pub struct Analysis {
     pub grid_wanted: bool,
     /// Radial mean and anisotropy.
     pub radial: Option<RadialSpectrum>,
-    /// The rings behind `radial`.
-    pub rings: Option<Rings>,
     /// Nearest-neighbour distances.
     pub neighbors: Option<NeighborDistances>,
     /// What theory says, where the process has a closed form.
@@ -340,7 +338,6 @@ pub fn run(
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,
-        rings: plan.waves.as_ref().map(|w| w.rings.clone()),
         neighbors: neighbors.map(|n| n.summary()),
         closed_form,
         accuracy: request.accuracy,

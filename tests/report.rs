@@ -19,7 +19,7 @@ use pairwave::estimate::{
     Kernel, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
     SmoothingKernel,
 };
-use pairwave::plan::{Accuracy, Correction, RadialBins, WaveGrid};
+use pairwave::plan::{Accuracy, Correction, RadialBins, Rings};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
 
@@ -43,8 +43,8 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         pair_correlation: Some(PairCorrelation::new(&pair_plan, &counts, Normalization::Pairs)),
         kernel: None,
         spectrum: Some(spectrum),
+        grid_wanted: true,
         radial: Some(radial),
-        rings: Some(wave_plan.rings.clone()),
         neighbors: Some(NeighborDistances {
             minimum: Some(0.001_234),
             mean: Some(0.020_5),
@@ -72,7 +72,8 @@ fn jittered(k: usize, seed: u64) -> RawPoints {
 
 /// Mean of a function of m over every ring.
 fn ring_means(analysis: &Analysis, p: impl Fn([i32; 3]) -> f64) -> Vec<f64> {
-    let (rings, grid) = (analysis.rings.as_ref().unwrap(), analysis.spectrum.as_ref().unwrap().grid);
+    let grid = analysis.spectrum.as_ref().unwrap().grid;
+    let rings = Rings::new(&grid, &analysis.domain);
     let mut sums = vec![0.0; rings.count];
     for i in 0..grid.half_len() {
         if let Some(k) = (rings.ring_of[i] as usize).checked_sub(1) {
@@ -140,10 +141,10 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     let s = side as f64;
     a.closed_form.radial =
         Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
-    let ensemble = ensemble(&sets);
+    let whole = ensemble(&sets);
     let kernel = Kernel::new(SmoothingKernel::Epanechnikov, None, &unit(2), n as f64).unwrap();
-    let fine = pair_plan(&ensemble, kernel.fine_bins(r_max(n), &unit(2)).unwrap(), Correction::None);
-    let counts = reference_counts(&fine, &ensemble);
+    let fine = pair_plan(&whole, kernel.fine_bins(r_max(n), &unit(2)).unwrap(), Correction::None);
+    let counts = reference_counts(&fine, &whole);
     let r = a.pair_correlation.as_ref().unwrap().r.clone();
     a.kernel = Some(KernelEstimate::new(kernel, &r, &fine, &counts, Normalization::Pairs));
     scenes.push(("jittered", a));
@@ -194,8 +195,10 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     scenes.push(("one point", a));
 
     let many = if large { 30_000 } else { 20_001 };
-    let mut a = analyze("sampler random, n 30000, K 1", &unit(2), &[uniform(2, many, 1)], linear(1e-3, 4), &[1, 1]);
-    (a.pair_correlation, a.spectrum, a.radial, a.rings) = (None, None, None, None);
+    let mut a = analyze("sampler random, n 30000, K 1", &unit(2), &[uniform(2, 9, 1)], linear(0.5, 4), &[1, 1]);
+    a.first = ensemble(&[uniform(2, many, 1)]);
+    (a.min_points, a.shape.max_points, a.shape.mean_points) = (many as u64, many as u64, many as f64);
+    (a.pair_correlation, a.spectrum, a.radial) = (None, None, None);
     scenes.push(("many points", a));
     scenes
 }
@@ -332,7 +335,7 @@ fn files_for_what_there_is() {
     assert!(!listing(&dir).iter().any(|f| f == "spectrum_se.npy" || f == "spectrum.png"));
 
     let mut bare = small();
-    (bare.pair_correlation, bare.spectrum, bare.radial, bare.rings, bare.neighbors) = (None, None, None, None, None);
+    (bare.pair_correlation, bare.spectrum, bare.radial, bare.neighbors) = (None, None, None, None);
     let dir = root.path().join("bare");
     report::write(&dir, &bare, false).unwrap();
     assert_eq!(listing(&dir), ["points.svg", "report.html", "summary.json"]);
