@@ -198,12 +198,12 @@ fn exact_kernel_sum(points: &RawPoints, domain: &Domain, shape: SmoothingKernel,
                 continue;
             }
             let (mut d2, mut weight) = (0.0, 1.0);
-            for a in 0..2 {
+            for (a, side) in sides.iter().enumerate() {
                 let mut d = (points.coordinates[2 * i + a] - points.coordinates[2 * j + a]).abs();
                 if domain.is_torus() {
-                    d = d.min(sides[a] - d);
+                    d = d.min(side - d);
                 } else {
-                    weight *= sides[a] / (sides[a] - d);
+                    weight *= side / (side - d);
                 }
                 d2 += d * d;
             }

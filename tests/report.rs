@@ -19,7 +19,7 @@ use pairwave::estimate::{
     Kernel, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
     SmoothingKernel,
 };
-use pairwave::plan::{Accuracy, Correction, RadialBins, Rings};
+use pairwave::plan::{Accuracy, Correction, RadialBins, Rings, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
 
