@@ -34,10 +34,9 @@ fn table(cpu: &Cpu) {
         let n = 10_000;
         let ensemble = uniform(dim, n, 1);
         let name = |what: &str| format!("pairs {dim}D, n = {n}, r < 0.5, {bins} {what}bins");
-        for (what, bins) in [
-            ("", RadialBins::linear(0.5, bins)),
-            ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins)),
-        ] {
+        for (what, bins) in
+            [("", RadialBins::linear(0.5, bins)), ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins))]
+        {
             let Ok(bins) = bins else { continue };
             if !wanted(&name(what)) {
                 continue;

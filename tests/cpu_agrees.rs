@@ -140,8 +140,7 @@ fn threads_do_not_change_a_bit() {
             let cpu = cpu(threads);
             let control = Control::default();
             let counts = cpu.pair_counts(&pairs, &ensemble, &control).unwrap();
-            let powers: Vec<_> =
-                waves.iter().map(|w| bits(&cpu.wave_power(w, &ensemble, &control).unwrap())).collect();
+            let powers: Vec<_> = waves.iter().map(|w| bits(&cpu.wave_power(w, &ensemble, &control).unwrap())).collect();
             ((counts.counts, counts.moments, counts.n_moments, counts.realizations), powers)
         };
         let one = run(1);
