@@ -142,7 +142,7 @@ fn round32(v: u64, period: u32) -> u32 {
 
 /// `BinFilter` as the kernels use it. The answer is the index of a bin, or anything from `bins` on for none of them.
 enum Filter<'a> {
-    Linear(Linear),
+    Linear(Box<Linear>),
     Table(&'a BinTable),
     /// Bins far below a step of 2^-32: all pairs with `r2` up to this are undecided.
     Near(f32),
@@ -153,13 +153,14 @@ impl<'a> Filter<'a> {
         match &plan.filter {
             BinFilter::Table(table) => Self::Table(table),
             &BinFilter::Linear { bins_per_step, relative_guard, absolute_guard } => {
-                // Written so that NaN and infinity (r_max far below a step) are caught.
-                if !(absolute_guard <= HOPELESS_GUARD) {
+                // NaN and infinity are r_max far below a step.
+                if absolute_guard.is_nan() || absolute_guard > HOPELESS_GUARD {
                     let steps = plan.bins.r_max() / plan.domain.length_unit() * 2f64.powi(32);
                     // Rounding coordinates moves a difference by at most 1.5 steps per axis.
                     return Self::Near(((steps + 3.0).powi(2) * 1.000_01) as f32);
                 }
-                Self::Linear(Linear::new(plan.bins.len(), bins_per_step, relative_guard, absolute_guard))
+                let bins = plan.bins.len();
+                Self::Linear(Box::new(Linear::new(bins, bins_per_step, relative_guard, absolute_guard)))
             }
         }
     }

@@ -69,13 +69,15 @@ macro_rules! fma {
 #[inline(always)]
 fn turn_f32<const FMA: bool>(phase: u32) -> (f32, f32) {
     let quadrant = phase.wrapping_add(1 << 29) >> 30;
-    let angle = phase.wrapping_sub(quadrant << 30) as i32 as f32;
-    // 2 pi / 2^32
-    let a = angle * 1.462_918_1e-9;
+    // In turns; the coefficients hold the powers of 2 pi, so that the conversion is the only rounding of the angle.
+    let a = phase.wrapping_sub(quadrant << 30) as i32 as f32 * 2f32.powi(-32);
     let z = a * a;
-    let s = fma!(fma!(fma!(-1.951_529_6e-4f32, z, 8.332_161e-3), z, -1.666_665_5e-1), z * a, a);
-    let p = fma!(fma!(fma!(2.443_315_7e-5f32, z, -1.388_731_6e-3), z, 4.166_664_6e-2), z, -0.5);
-    let c = fma!(p, z, 1.0);
+    let s = fma!(fma!(-75.445_653f32, z, 81.593_768), z, -41.341_67);
+    // 2 pi = 6.281_25 + the rest; the first product is exact within its multiply-add.
+    let s = fma!(s, z, 0.001_935_307_2);
+    let s = fma!(a, 6.281_25, s * a);
+    let c = fma!(fma!(59.349_7f32, z, -85.447_14), z, 64.939_36);
+    let c = fma!(fma!(c, z, -19.739_209), z, 1.0);
     let odd = quadrant & 1 != 0;
     let (c, s) = if odd { (s, c) } else { (c, s) };
     let flip_cos = (quadrant.wrapping_add(1) & 2) << 30;
