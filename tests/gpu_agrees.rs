@@ -10,9 +10,9 @@ use std::sync::OnceLock;
 
 use common::*;
 use pairwave::Error;
-use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters};
+use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, RadialBins};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// A device of one's own, or `None` where there is no driver and a person said that this is fine.
@@ -29,7 +29,8 @@ fn open(test: &str) -> Option<GpuCompute> {
 
 /// Not `println`, which the test harness keeps to itself where a test passes.
 fn say_skipped(test: &str, why: &str) {
-    writeln!(std::io::stderr(), "{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and {why}").unwrap();
+    let line = format!("{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and {why}\n");
+    std::io::stderr().write_all(line.as_bytes()).unwrap();
 }
 
 fn allowed() -> bool {
@@ -62,6 +63,12 @@ fn self_check_passes_and_says_what_it_found() {
 fn an_adapter_that_is_not_there_is_an_error() {
     let none = GpuCompute::open(AdapterChoice::Index(99)).map(|_| ()).unwrap_err();
     assert!(matches!(none, Error::NoDevice { .. }), "{none}");
+    // A processor in disguise is never taken for hardware.
+    let hardware = adapters().iter().any(|a| !a.software);
+    match GpuCompute::open(AdapterChoice::HardwareOnly) {
+        Ok(gpu) => assert!(!gpu.gpu().summary().software),
+        Err(why) => assert!(!hardware && matches!(why, Error::NoDevice { .. }), "{why}"),
+    }
 }
 
 #[test]
@@ -89,6 +96,36 @@ fn counts_are_equal_over_many_tiles() {
         let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
         assert_counts_equal(&format!("{domain:?}"), &here, &reference_counts(&plan, &ensemble));
     }
+}
+
+#[test]
+fn wide_workgroups_count_the_same() {
+    let Some(gpu) = shared("wide workgroups") else { return };
+    let sets = [uniform(3, 1100, 1), lattice(3, 9), uniform(3, 513, 2)];
+    let ensemble = ensemble(&sets);
+    // A plan for large sets takes the wide kernel; these are small only so that the reference is quick.
+    let shape = EnsembleShape { max_points: 1 << 16, ..shape(&ensemble) };
+    for bins in [RadialBins::linear(0.5, 45).unwrap(), RadialBins::logarithmic(0.01, 0.5, 30).unwrap()] {
+        let plan = PairPlan::new(ensemble.domain(), bins, Correction::None, shape).unwrap();
+        assert!(pair_kernel(&plan, 32 << 10).overrides.contains(&("WORKGROUP", 128)));
+        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        assert_counts_equal("wide", &here, &reference_counts(&plan, &ensemble));
+    }
+}
+
+/// 4.5e9 unordered pairs in one bin: more than a u32 holds, and as many per dispatch as are ever allowed.
+#[test]
+#[ignore = "minutes on a software device"]
+fn a_bin_beyond_32_bits() {
+    let Some(gpu) = open("32 bits") else { return };
+    let gpu = gpu.with_tuning(|t| t.pairs_per_dispatch = u64::MAX);
+    let n = 95_000;
+    let ensemble = ensemble(&[coincident(1, n)]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
+    let counts = gpu.pair_counts(&plan, &ensemble, &go()).unwrap().counts;
+    let n = n as u64;
+    // The n coincident points among themselves, and each with the one at a distance of 0.15.
+    assert_eq!(counts, [n * (n - 1), 2 * n, 0, 0]);
 }
 
 /// Points so close together that 32 bits hardly tell them apart.
