@@ -113,6 +113,36 @@ fn wide_workgroups_count_the_same() {
     }
 }
 
+/// Distances that differ from an edge by less than any float could tell: the last limbs decide.
+#[test]
+fn pairs_a_hair_from_an_edge() {
+    let Some(gpu) = shared("a hair from an edge") else { return };
+    let ulp = 2f64.powi(-54);
+    for sides in [vec![1.0], vec![1.0, 1.0], vec![1.0, 1.0, 1.0], vec![1.0, 0.75], vec![0.5, 1.0, 0.625]] {
+        let dim = sides.len();
+        let domain = Domain::torus(&sides).unwrap();
+        let mut coordinates = Vec::new();
+        for k in 0..32 {
+            for (step, aside) in
+                [(0, 0.0), (1, 0.0), (-1, 0.0), (0, 2f64.powi(-31)), (-1, 2f64.powi(-31)), (0, 2f64.powi(-60))]
+            {
+                let x = (f64::from(k) / 32.0 + f64::from(step) * ulp).rem_euclid(1.0);
+                coordinates.extend((0..dim).map(|a| if a == 0 { x } else { 0.5 + aside }));
+            }
+        }
+        let ensemble = ensemble_in(&domain, &[raw(dim, coordinates)]);
+        let r = domain.shortest_side() / 2.0;
+        for bins in [
+            RadialBins::linear(r, 16).unwrap(),
+            RadialBins::from_edges((2..=32).map(|k| r * f64::from(k) / 32.0).collect()).unwrap(),
+        ] {
+            let plan = pair_plan(&ensemble, bins, Correction::None);
+            let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+            assert_counts_equal(&format!("{sides:?}"), &here, &reference_counts(&plan, &ensemble));
+        }
+    }
+}
+
 /// 4.5e9 unordered pairs in one bin: more than a u32 holds, and as many per dispatch as are ever allowed.
 #[test]
 #[ignore = "minutes on a software device"]
@@ -322,15 +352,15 @@ fn a_lost_device_is_an_error_and_stays_one() {
 #[test]
 fn a_device_lost_at_work_is_an_error() {
     let Some(gpu) = open("device lost at work") else { return };
-    // One small dispatch after another, so that the loss falls between two of them.
+    // One small dispatch after another, again and again, so that the loss falls among them.
     let gpu = gpu.with_tuning(|t| t.pairs_per_dispatch = 1);
     let ensemble = ensemble(&[uniform(2, 20_000, 1)]);
     let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
     let why = std::thread::scope(|scope| {
-        let work = scope.spawn(|| gpu.pair_counts(&pairs, &ensemble, &go()));
-        std::thread::sleep(std::time::Duration::from_millis(700));
+        let work = scope.spawn(|| (0..10_000).find_map(|_| gpu.pair_counts(&pairs, &ensemble, &go()).err()));
+        std::thread::sleep(std::time::Duration::from_millis(500));
         gpu.gpu().lose();
-        work.join().expect("no panic").unwrap_err()
+        work.join().expect("no panic").expect("an error")
     });
     assert!(matches!(why, Error::Device { .. }), "{why}");
 }
