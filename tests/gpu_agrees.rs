@@ -10,9 +10,9 @@ use std::sync::OnceLock;
 
 use common::*;
 use pairwave::Error;
-use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters};
+use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, RadialBins};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// A device of one's own, or `None` where there is no driver and a person said that this is fine.
@@ -29,7 +29,8 @@ fn open(test: &str) -> Option<GpuCompute> {
 
 /// Not `println`, which the test harness keeps to itself where a test passes.
 fn say_skipped(test: &str, why: &str) {
-    writeln!(std::io::stderr(), "{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and {why}").unwrap();
+    let line = format!("{test}: SKIPPED, PAIRWAVE_ALLOW_NO_GPU=1 and {why}\n");
+    std::io::stderr().write_all(line.as_bytes()).unwrap();
 }
 
 fn allowed() -> bool {
@@ -62,6 +63,12 @@ fn self_check_passes_and_says_what_it_found() {
 fn an_adapter_that_is_not_there_is_an_error() {
     let none = GpuCompute::open(AdapterChoice::Index(99)).map(|_| ()).unwrap_err();
     assert!(matches!(none, Error::NoDevice { .. }), "{none}");
+    // A processor in disguise is never taken for hardware.
+    let hardware = adapters().iter().any(|a| !a.software);
+    match GpuCompute::open(AdapterChoice::HardwareOnly) {
+        Ok(gpu) => assert!(!gpu.gpu().summary().software),
+        Err(why) => assert!(!hardware && matches!(why, Error::NoDevice { .. }), "{why}"),
+    }
 }
 
 #[test]
@@ -89,6 +96,66 @@ fn counts_are_equal_over_many_tiles() {
         let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
         assert_counts_equal(&format!("{domain:?}"), &here, &reference_counts(&plan, &ensemble));
     }
+}
+
+#[test]
+fn wide_workgroups_count_the_same() {
+    let Some(gpu) = shared("wide workgroups") else { return };
+    let sets = [uniform(3, 1100, 1), lattice(3, 9), uniform(3, 513, 2)];
+    let ensemble = ensemble(&sets);
+    // A plan for large sets takes the wide kernel; these are small only so that the reference is quick.
+    let shape = EnsembleShape { max_points: 1 << 16, ..shape(&ensemble) };
+    for bins in [RadialBins::linear(0.5, 45).unwrap(), RadialBins::logarithmic(0.01, 0.5, 30).unwrap()] {
+        let plan = PairPlan::new(ensemble.domain(), bins, Correction::None, shape).unwrap();
+        assert!(pair_kernel(&plan, 32 << 10).overrides.contains(&("WORKGROUP", 128)));
+        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        assert_counts_equal("wide", &here, &reference_counts(&plan, &ensemble));
+    }
+}
+
+/// Distances that differ from an edge by less than any float could tell: the last limbs decide.
+#[test]
+fn pairs_a_hair_from_an_edge() {
+    let Some(gpu) = shared("a hair from an edge") else { return };
+    let ulp = 2f64.powi(-54);
+    for sides in [vec![1.0], vec![1.0, 1.0], vec![1.0, 1.0, 1.0], vec![1.0, 0.75], vec![0.5, 1.0, 0.625]] {
+        let dim = sides.len();
+        let domain = Domain::torus(&sides).unwrap();
+        let mut coordinates = Vec::new();
+        for k in 0..32 {
+            for (step, aside) in
+                [(0, 0.0), (1, 0.0), (-1, 0.0), (0, 2f64.powi(-31)), (-1, 2f64.powi(-31)), (0, 2f64.powi(-60))]
+            {
+                let x = (f64::from(k) / 32.0 + f64::from(step) * ulp).rem_euclid(1.0);
+                coordinates.extend((0..dim).map(|a| if a == 0 { x } else { 0.5 + aside }));
+            }
+        }
+        let ensemble = ensemble_in(&domain, &[raw(dim, coordinates)]);
+        let r = domain.shortest_side() / 2.0;
+        for bins in [
+            RadialBins::linear(r, 16).unwrap(),
+            RadialBins::from_edges((2..=32).map(|k| r * f64::from(k) / 32.0).collect()).unwrap(),
+        ] {
+            let plan = pair_plan(&ensemble, bins, Correction::None);
+            let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+            assert_counts_equal(&format!("{sides:?}"), &here, &reference_counts(&plan, &ensemble));
+        }
+    }
+}
+
+/// 4.5e9 unordered pairs in one bin: more than a u32 holds, and as many per dispatch as are ever allowed.
+#[test]
+#[ignore = "minutes on a software device"]
+fn a_bin_beyond_32_bits() {
+    let Some(gpu) = open("32 bits") else { return };
+    let gpu = gpu.with_tuning(|t| t.pairs_per_dispatch = u64::MAX);
+    let n = 95_000;
+    let ensemble = ensemble(&[coincident(1, n)]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
+    let counts = gpu.pair_counts(&plan, &ensemble, &go()).unwrap().counts;
+    let n = n as u64;
+    // The n coincident points among themselves, and each with the one at a distance of 0.15.
+    assert_eq!(counts, [n * (n - 1), 2 * n, 0, 0]);
 }
 
 /// Points so close together that 32 bits hardly tell them apart.
@@ -285,15 +352,15 @@ fn a_lost_device_is_an_error_and_stays_one() {
 #[test]
 fn a_device_lost_at_work_is_an_error() {
     let Some(gpu) = open("device lost at work") else { return };
-    // One small dispatch after another, so that the loss falls between two of them.
+    // One small dispatch after another, again and again, so that the loss falls among them.
     let gpu = gpu.with_tuning(|t| t.pairs_per_dispatch = 1);
     let ensemble = ensemble(&[uniform(2, 20_000, 1)]);
     let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
     let why = std::thread::scope(|scope| {
-        let work = scope.spawn(|| gpu.pair_counts(&pairs, &ensemble, &go()));
-        std::thread::sleep(std::time::Duration::from_millis(700));
+        let work = scope.spawn(|| (0..10_000).find_map(|_| gpu.pair_counts(&pairs, &ensemble, &go()).err()));
+        std::thread::sleep(std::time::Duration::from_millis(500));
         gpu.gpu().lose();
-        work.join().expect("no panic").unwrap_err()
+        work.join().expect("no panic").expect("an error")
     });
     assert!(matches!(why, Error::Device { .. }), "{why}");
 }

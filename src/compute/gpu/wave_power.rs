@@ -86,12 +86,11 @@ fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Rows and columns computed together, and how many realizations at a time.
+/// Rows and columns computed together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Cut {
     rows: usize,
     columns: usize,
-    sums: usize,
 }
 
 /// The largest part of a grid whose sums over `chunks` chunks fit into `sums` entries: whole, or whole rows of blocks, or
@@ -99,7 +98,7 @@ struct Cut {
 fn cut(rows: usize, columns: usize, block: [usize; 2], chunks: usize, sums: usize) -> Cut {
     let modes = (sums / chunks.max(1)).max(1);
     if rows * columns <= modes {
-        return Cut { rows, columns, sums };
+        return Cut { rows, columns };
     }
     let columns_taken = if block[0].min(rows) * columns <= modes {
         columns
@@ -109,7 +108,7 @@ fn cut(rows: usize, columns: usize, block: [usize; 2], chunks: usize, sums: usiz
     };
     let fitting = (modes / columns_taken).max(1);
     let rows_taken = if fitting >= block[0] { fitting / block[0] * block[0] } else { fitting };
-    Cut { rows: rows_taken.min(rows), columns: columns_taken, sums }
+    Cut { rows: rows_taken.min(rows), columns: columns_taken }
 }
 
 pub(super) fn wave_power(
@@ -153,7 +152,7 @@ pub(super) fn wave_power(
         let part = cut(grid_rows, grid_columns, [lanes("ROW_LANES"), lanes("COLUMN_LANES")], chunks, sums_cap);
         let mut power = vec![vec![0f64; plan.grid.half_len()]; batch.len()];
         gpu.guarded(NAME, || {
-            let points = job.upload(ensemble, &batch);
+            let points = job.upload(ensemble, &batch, part);
             for row in (0..grid_rows).step_by(part.rows) {
                 for column in (0..grid_columns).step_by(part.columns) {
                     control.check()?;
@@ -183,7 +182,7 @@ struct Job<'a> {
     fold: std::sync::Arc<kernel::Kernel>,
 }
 
-/// Points of some realizations on the device.
+/// Points of some realizations on the device, and room for what becomes of them.
 struct Points {
     total: usize,
     fractions: wgpu::Buffer,
@@ -191,10 +190,13 @@ struct Points {
     chunks_buffer: wgpu::Buffer,
     realizations: usize,
     realizations_buffer: wgpu::Buffer,
+    /// Scratch for one part of the grid after another: allocating it is dearer than using it.
+    sums: wgpu::Buffer,
+    power: wgpu::Buffer,
 }
 
 impl Job<'_> {
-    fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>) -> Points {
+    fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>, part: Cut) -> Points {
         let (gpu, fill) = (self.compute.gpu(), self.compute.tuning.fill);
         let points = ensemble.range(batch.start).start..ensemble.range(batch.end - 1).end;
         let mut fractions = Vec::with_capacity(points.len() * ensemble.domain().dim());
@@ -214,8 +216,11 @@ impl Job<'_> {
             }
             realizations.push(WaveRange { first, count: chunks.len() as u32 - first });
         }
+        let modes = part.rows * part.columns;
         Points {
             total: points.len(),
+            sums: gpu.scratch("sums", (chunks.len() * modes * size_of::<WaveSums>()) as u64, fill),
+            power: gpu.scratch("power", 8 * (modes * realizations.len()) as u64, fill),
             fractions: gpu.upload("fractions", &fractions, fill),
             chunks_buffer: gpu.upload("chunks", &chunks, fill),
             chunks,
@@ -249,9 +254,6 @@ impl Job<'_> {
             total_points: points.total as u32,
             ..WaveParams::default()
         };
-        let sums = (points.chunks.len() * modes * size_of::<WaveSums>()) as u64;
-        let sums = gpu.scratch("sums", sums, tuning.fill);
-
         let blocks = params.row_blocks * params.column_blocks;
         params.jobs = blocks * points.chunks.len() as u32;
         // Work per group, in sums over one point.
@@ -263,7 +265,7 @@ impl Job<'_> {
             let count = groups.min(params.jobs - params.first_job);
             let uniform = gpu.uniform("params", &params);
             let mut encoder = gpu.encoder(NAME);
-            let buffers = [&uniform, &points.chunks_buffer, &points.fractions, &sums];
+            let buffers = [&uniform, &points.chunks_buffer, &points.fractions, &points.sums];
             self.product.dispatch(gpu, &mut encoder, &buffers, count);
             params.first_job += count;
             // One submission ahead: the device has work while the host waits, and a cancelled call ends soon.
@@ -275,16 +277,15 @@ impl Job<'_> {
         let total = modes * points.realizations;
         params.jobs = total as u32;
         params.first_job = 0;
-        let folded = gpu.scratch("power", 8 * total as u64, tuning.fill);
         let mut encoder = gpu.encoder(FOLD_NAME);
         while params.first_job * FOLD_WORKGROUP < params.jobs {
             let count = (params.jobs.div_ceil(FOLD_WORKGROUP) - params.first_job).min(MAX_GROUPS);
             let uniform = gpu.uniform("params", &params);
-            let buffers = [&uniform, &points.realizations_buffer, &sums, &folded];
+            let buffers = [&uniform, &points.realizations_buffer, &points.sums, &points.power];
             self.fold.dispatch(gpu, &mut encoder, &buffers, count);
             params.first_job += count;
         }
-        let folded: Vec<[f32; 2]> = gpu.read_back(FOLD_NAME, encoder, &folded, total)?;
+        let folded: Vec<[f32; 2]> = gpu.read_back(FOLD_NAME, encoder, &points.power, total)?;
 
         let [_, n1, n2] = self.plan.grid.half_shape();
         let (plane, centre) = (n1 * n2, n1 * n2 / 2);
