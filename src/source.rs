@@ -84,6 +84,9 @@ impl Source {
             let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
             return Ok(Self { subject, domain, kind: Kind::Process(process) });
         }
+        if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
+            return Err(Error::setting("--window", list(window), "expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"));
+        }
         if request.files.is_empty() {
             return Err(Error::setting("FILES", "(none)", "expected point files, or --sampler NAME -n N"));
         }

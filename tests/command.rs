@@ -23,10 +23,16 @@ impl Scratch {
         self.path(name)
     }
 
+    fn command(&self) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+        // Mesa complains on stderr without one.
+        command.current_dir(self.0.path()).env("XDG_RUNTIME_DIR", self.0.path());
+        command
+    }
+
     /// Runs pairwave here; arguments are separated by blanks.
     fn run(&self, arguments: &str) -> Output {
-        let mut command = Command::cargo_bin("pairwave").unwrap();
-        command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap()
+        self.command().args(arguments.split_whitespace()).output().unwrap()
     }
 
     fn ok(&self, arguments: &str) -> String {
@@ -239,7 +245,8 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             1,
             "points: pcf and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
         ),
-        ("analyze ok.csv --window 0,1", 2, "--window 0,1: expected 4 numbers for points with 2 coordinates"),
+        ("analyze ok.csv --window 0,1", 1, "ok.csv: 2 coordinates per point, but --box or --window has 1 axis"),
+        ("analyze ok.csv --window 0,1,2", 2, "--window 0,1,2: expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"),
         (
             "analyze ok.csv --window 0,1,1,0",
             2,
@@ -348,9 +355,8 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
 #[test]
 fn quiet_is_silent_and_stdin_is_a_file() {
     let scratch = Scratch::new();
-    let mut command = Command::cargo_bin("pairwave").unwrap();
-    let output = command
-        .current_dir(scratch.0.path())
+    let output = scratch
+        .command()
         .args(["analyze", "-", "--device", "cpu", "--quiet", "--out", "o"])
         .write_stdin("0.1 0.2\n0.3 0.4\n# next\n0.5 0.5\n0.6 0.7\n")
         .output()

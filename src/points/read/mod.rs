@@ -60,7 +60,10 @@ pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoin
 
 fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) -> Result<()> {
     if let Some(dim) = options.dim.filter(|&dim| dim != set.dim) {
-        return Err(Error::input(&set.source, format!("{} per point, expected {dim}", coordinates(set.dim))));
+        return Err(Error::input(
+            &set.source,
+            format!("{} per point, but --box or --window has {}", coordinates(set.dim), plural(dim as u64, "axis")),
+        ));
     }
     match first {
         Some(first) if first.dim != set.dim => {
@@ -76,7 +79,11 @@ fn coordinates(dim: usize) -> String {
 }
 
 fn plural(n: u64, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+    match (n, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "axis") => format!("{n} axes"),
+        _ => format!("{n} {noun}s"),
+    }
 }
 
 fn is_stdin(path: &Path) -> bool {
