@@ -303,7 +303,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze --sampler jitterd -n 64",
             2,
-            "--sampler jitterd: no such sampler, did you mean jittered?; expected one of random, grid, jittered, poisson-disk, halton, thomas",
+            "--sampler jitterd: no such sampler (did you mean jittered?); expected one of random, grid, jittered, poisson-disk, halton, thomas",
         ),
         ("analyze --sampler jittered -n 65", 2, "-n 65: jittered in 2D needs n = k^2; the nearest are 64 and 81"),
         ("analyze --sampler jittered -n 64 -k 0", 2, "-k 0: expected at least 1 realization"),

@@ -11,11 +11,14 @@ pub(crate) fn run() -> Result<()> {
         text += "gpu        none: no Vulkan, Metal or D3D12 driver found; the native CPU path does everything\n";
     }
     for adapter in adapters {
+        text += &format!("{:<10} {adapter}\n", adapter.index);
         let verdict = match GpuCompute::open(AdapterChoice::Index(adapter.index)) {
             Ok(gpu) => gpu.verdict().to_string(),
-            Err(error) => format!("not used: {error}"),
+            Err(error) => format!("not usable: {error}"),
         };
-        text += &format!("{:<10} {adapter}\n{:10} self-check: {verdict}\n", adapter.index, "");
+        for line in verdict.lines() {
+            text += &format!("{:10} {line}\n", "");
+        }
     }
     super::print(&text)
 }
