@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 use common::*;
 use pairwave::Error;
-use pairwave::analysis::{Analysis, ClosedForm};
 use pairwave::accumulate::{PairCounts, PairHistogram};
+use pairwave::analysis::{Analysis, ClosedForm};
 use pairwave::compute::reference::squared_distance;
 use pairwave::compute::{Backend, ComputedBy};
 use pairwave::estimate::{
@@ -163,9 +163,8 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     a.closed_form.name = "jittered".into();
     a.closed_form.g = Some(a.pair_correlation.as_ref().unwrap().r.iter().map(|&r| jittered_g(side, r)).collect());
     let s = side as f64;
-    a.closed_form.radial = Some(ring_means(&a, |m| {
-        1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)
-    }));
+    a.closed_form.radial =
+        Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
     let whole = ensemble(&sets);
     let kernel = Kernel::new(SmoothingKernel::Epanechnikov, None, &unit(2), n as f64).unwrap();
     let fine = pair_plan(&whole, kernel.fine_bins(r_max(n), &unit(2)).unwrap(), Correction::None);
@@ -357,7 +356,7 @@ fn files_for_what_there_is() {
     let one = analyze("1D", &Domain::unit_torus(1), &[uniform(1, 9, 1)], bins(), &[5]);
     let dir = root.path().join("one");
     report::write(&dir, &one, false).unwrap();
-    assert!(!listing(&dir).iter().any(|f| f == "spectrum_se.npy" || f == "spectrum.png"));
+    assert!(!listing(&dir).iter().any(|f| ["spectrum_se.npy", "spectrum.png", "anisotropy.svg"].contains(&f.as_str())));
 
     let mut bare = small();
     (bare.pair_correlation, bare.spectrum, bare.radial, bare.rings, bare.neighbors) = (None, None, None, None, None);
@@ -482,10 +481,7 @@ fn an_existing_result_needs_force() {
     report::write(&dir, &small(), false).unwrap();
     let refusal = report::write(&dir, &small(), false).unwrap_err();
     assert_eq!(refusal.exit_code(), 2);
-    assert_eq!(
-        refusal.to_string(),
-        format!("--out {}: holds a result already; --force replaces it", dir.display())
-    );
+    assert_eq!(refusal.to_string(), format!("--out {}: holds a result already; --force replaces it", dir.display()));
     assert!(report::check_out(&dir, false).is_err());
     report::check_out(&dir, true).unwrap();
 
@@ -532,8 +528,7 @@ fn bad_paths_fail_early_and_name_the_flag() {
 
 #[test]
 fn a_failure_leaves_everything_as_it_was() {
-    // A directory of our file's name cannot be replaced by ... it can be moved away, but a spectrum whose store is too
-    // short cannot be written.
+    // A spectrum whose store is too short cannot be written: the run dies in the middle, after the first tables.
     let mut broken = small();
     broken.spectrum.as_mut().unwrap().p_se.truncate(3);
     let root = tempfile::tempdir().unwrap();

@@ -206,8 +206,8 @@ impl Figure {
             }
         }
         let at = |x: f64, y: f64| (fine(x), fine(y));
-        let thin = FRAME.stroke_width(px(1.0));
-        root.draw(&Rectangle::new([at(LEFT, self.frame_top()), at(RIGHT, BOTTOM)], thin))?;
+        let thin = thin();
+        root.draw(&frame((LEFT, self.frame_top()), (RIGHT, BOTTOM)))?;
         for &x in x_ticks {
             let x = self.px_x(x);
             root.draw(&PathElement::new([at(x, BOTTOM), at(x, BOTTOM + 5.0)], thin))?;
@@ -267,6 +267,17 @@ impl Figure {
     }
 }
 
+/// The style of frames and ticks.
+pub(super) fn thin() -> ShapeStyle {
+    FRAME.stroke_width(FINE as u32)
+}
+
+/// A frame between two corners in px. Not a plotters rectangle, whose line has no width in SVG.
+pub(super) fn frame((x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> PathElement<(i32, i32)> {
+    let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
+    PathElement::new(corners.map(|(x, y)| (fine(x), fine(y))), thin())
+}
+
 /// Attributes of the kinds of text.
 const TITLE: &str = r##"font-size="19" font-weight="bold" fill="#222222""##;
 const NOTE: &str = r##"font-size="13" fill="#555555""##;
@@ -309,7 +320,7 @@ fn width_of(svg_text: &str) -> f64 {
                 hidden = None;
                 width += if end == ';' { 7.0 } else { 0.0 };
             }
-            (None, _) => width += 6.9,
+            (None, _) => width += 6.6,
             _ => {}
         }
     }
@@ -320,7 +331,8 @@ fn hex(color: RGBColor) -> String {
     format!("#{:02x}{:02x}{:02x}", color.0, color.1, color.2)
 }
 
-fn fine(px: f64) -> i32 {
+/// Backend pixels of a length in px.
+pub(super) fn fine(px: f64) -> i32 {
     (px * f64::from(FINE)).round() as i32
 }
 
@@ -334,8 +346,7 @@ pub(super) fn picture(
 ) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
     let mut drawn = String::new();
     {
-        let root =
-            SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
         draw(&root)?;
         root.present()?;
     }

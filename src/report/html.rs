@@ -86,7 +86,10 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
     if a.spectrum.is_some() {
         let bound = human(a.accuracy.power_bound().max_relative_to_one_plus_p);
         let name = a.accuracy.name();
-        rows.push(("Accuracy of P".into(), format!("{name}: |<i>P</i> − <i>P</i><sub>exact</sub>| ≤ {bound} (1 + <i>P</i>)")));
+        rows.push((
+            "Accuracy of P".into(),
+            format!("{name}: |<i>P</i> − <i>P</i><sub>exact</sub>| ≤ {bound} (1 + <i>P</i>)"),
+        ));
     }
     let seconds: f64 = a.timings.iter().map(|t| t.1).sum();
     if !a.timings.is_empty() {
@@ -252,11 +255,8 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
              src=\"data:image/png;base64,{data}\">",
             image.width, image.height
         );
-        let caption = format!(
-            "{definition} on the frequency grid: {}. Tone map: {}.",
-            escape(&image.caption),
-            escape(TONE_MAP)
-        );
+        let caption =
+            format!("{definition} on the frequency grid: {}. Tone map: {}.", escape(&image.caption), escape(TONE_MAP));
         figure(html, &picture, &caption);
     }
     if let Some(svg) = &pictures.points {
@@ -287,7 +287,8 @@ fn errors(html: &mut String, a: &Analysis) {
         let text = match radial.errors {
             ErrorSource::AcrossRealizations => across("each ring's mean of <i>P</i>"),
             ErrorSource::Theory => {
-                "theory, for a single realization: independent exponential ordinates, <i>P</i> / √(independent modes)".into()
+                "theory, for a single realization: independent exponential ordinates, <i>P</i> / √(independent modes)"
+                    .into()
             }
         };
         rows.push(("<i>P</i>(<i>ν</i>)".into(), text));

@@ -45,7 +45,9 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
         return setting("expected a directory".into());
     }
     match fs::metadata(dir) {
-        Ok(found) if !found.is_dir() => return setting("is a file; expected a directory, or a path to create one".into()),
+        Ok(found) if !found.is_dir() => {
+            return setting("is a file; expected a directory, or a path to create one".into());
+        }
         Ok(_) if !force => {
             if dir.join(SUMMARY).symlink_metadata().is_ok() {
                 return setting("holds a result already; --force replaces it".into());

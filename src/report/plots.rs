@@ -68,7 +68,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: at(&pcf.g) },
     ];
     if let Some(k) = kernel {
-        let name = format!("{} kernel, bandwidth {}", kernel_name(k.kernel.shape), human(k.kernel.bandwidth));
+        let name = format!("{} kernel", kernel_name(k.kernel.shape));
         let samples = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
         layers.push(Layer::Line { name, color: VERMILION, width: 1.4, dashed: false, runs: runs(samples) });
     }
@@ -82,11 +82,12 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         Normalization::Pairs => "",
         Normalization::Intensity => ", normalized by n²",
     };
+    let bandwidth = kernel.map_or(String::new(), |k| format!(" · kernel s.d. {}", human(k.kernel.bandwidth)));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),
         note: format!(
-            "{}{normalization} · {}{}",
+            "{}{normalization} · {}{bandwidth}{}",
             size(analysis),
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)
@@ -143,8 +144,12 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
     Some(figure.svg())
 }
 
-/// Anisotropy against nu, with the level of an isotropic spectrum and the scatter expected around it.
+/// Anisotropy against nu, with the level of an isotropic spectrum and the scatter expected around it. In one dimension a
+/// ring is a single independent mode: there is nothing to draw.
 pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
+    if analysis.domain.dim() == 1 {
+        return None;
+    }
     let radial = analysis.radial.as_ref()?;
     let rings = &radial.rings;
     let reference = radial.anisotropy_reference_db;
@@ -161,8 +166,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     let outside = defined.iter().filter(|a| !y.contains(a)).count();
 
     let interval = |r: &crate::estimate::Ring| (r.nu_lo, r.nu, r.nu_hi);
-    let scatter =
-        rings.iter().map(|r| (interval(r), r.anisotropy_db_se.map(|se| (reference - se, reference + se))));
+    let scatter = rings.iter().map(|r| (interval(r), r.anisotropy_db_se.map(|se| (reference - se, reference + se))));
     let db = human(reference);
     let mut layers = vec![
         Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(scatter) },
@@ -178,7 +182,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     layers.extend(mean_frequency(analysis, x.end));
     let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size(analysis));
     if defined.is_empty() {
-        note.push_str(" · undefined in every ring: P has no spread");
+        note.push_str(" · undefined in every ring: no spread, or single modes");
     } else if outside > 0 {
         note.push_str(&format!(" · outside the frame: {outside} of {} rings", rings.len()));
     }
@@ -224,15 +228,17 @@ fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
     let (counted, headroom) = if 2 * calm.len() >= finite.len() { (calm, 6.0) } else { (finite, 2.5) };
     let bulk: Vec<f64> = counted.iter().map(|v| v.0).collect();
     let reach = |&(v, se): &(f64, f64)| if se.is_finite() { v + se } else { v };
-    let all: Vec<f64> =
-        counted.iter().map(reach).chain(smooth.iter().copied().filter(|v| v.is_finite())).collect();
+    let all: Vec<f64> = counted.iter().map(reach).chain(smooth.iter().copied().filter(|v| v.is_finite())).collect();
     let limit = headroom * quantile(&bulk, 0.95).unwrap_or(1.0).max(1.0);
     let highest = extent(&all).map_or(1.0, |e| e.1);
     1.06 * highest.min(limit).max(1.3)
 }
 
-/// Says so where values lie above the axis.
-fn cut(values: impl Iterator<Item = f64>, top: f64) -> String {
+/// Says so where values lie above the axis, or where there is none.
+fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String {
+    if !values.clone().any(f64::is_finite) {
+        return " · undefined everywhere".into();
+    }
     let above: Vec<f64> = values.filter(|&v| v > top).collect();
     match extent(&above) {
         Some((_, largest)) => format!(" · ▲ {} above the frame, up to {}", above.len(), human(largest)),

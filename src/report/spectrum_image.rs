@@ -3,8 +3,7 @@
 use crate::estimate::PowerSpectrum;
 
 /// What a grey level means, in words; the same text is in the file and in the page.
-pub(super) const TONE_MAP: &str =
-    "v = min(1, log2(1 + P) / 2): P = 0 black, P = 1 mid-grey, P >= 3 white; colour map: grey, 8-bit sRGB value round(255 v)";
+pub(super) const TONE_MAP: &str = "v = min(1, log2(1 + P) / 2): P = 0 black, P = 1 mid-grey, P >= 3 white; colour map: grey, 8-bit sRGB value round(255 v)";
 
 /// A grid may be far larger than any screen; a picture shows at most `|m| <= HALF_SIDE` per axis, so that one mode stays
 /// at least one pixel and the page stays a few MB.

@@ -55,9 +55,9 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Table> {
         .floats("g", pcf.g.iter().copied())
         .floats("g_se", pcf.g_se.iter().copied());
     Some(match &analysis.kernel {
-        Some(kernel) => table
-            .optional("g_kernel", kernel.g.iter().copied())
-            .optional("g_kernel_se", kernel.g_se.iter().copied()),
+        Some(kernel) => {
+            table.optional("g_kernel", kernel.g.iter().copied()).optional("g_kernel_se", kernel.g_se.iter().copied())
+        }
         None => table,
     })
 }

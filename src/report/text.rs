@@ -34,11 +34,8 @@ fn significant(x: f64, digits: i32) -> String {
     }
     let mantissa = trimmed(x / 10f64.powi(e), (digits - 1).max(0) as usize);
     // A mantissa that rounds up to 10 belongs to the next decade.
-    let (mantissa, e) = if mantissa.trim_start_matches('−') == "10" {
-        (mantissa.replace("10", "1"), e + 1)
-    } else {
-        (mantissa, e)
-    };
+    let (mantissa, e) =
+        if mantissa.trim_start_matches('−') == "10" { (mantissa.replace("10", "1"), e + 1) } else { (mantissa, e) };
     format!("{mantissa}×10{}", superscript(e))
 }
 
@@ -57,11 +54,7 @@ pub(super) fn tick(x: f64, step: f64) -> String {
     }
     let decimals = (-magnitude(step * 1.000_001)).max(0) as usize;
     let s = format!("{x:.decimals$}");
-    if s.trim_start_matches('-').bytes().all(|b| matches!(b, b'0' | b'.')) {
-        "0".into()
-    } else {
-        s.replace('-', "−")
-    }
+    if s.trim_start_matches('-').bytes().all(|b| matches!(b, b'0' | b'.')) { "0".into() } else { s.replace('-', "−") }
 }
 
 fn superscript(e: i32) -> String {
