@@ -503,8 +503,12 @@ fn a_file_of_ours_by_name_alone_is_not_lost() {
     fs::write(root.path().join("pcf.csv"), "somebody's own").unwrap();
     let refusal = report::write(root.path(), &small(), false).unwrap_err();
     assert!(refusal.to_string().contains("holds a file pcf.csv already; --force replaces it"), "{refusal}");
-    // Other files are no obstacle.
+    // Nor a whole directory, not even by force.
     fs::remove_file(root.path().join("pcf.csv")).unwrap();
+    fs::create_dir(root.path().join("pcf.csv")).unwrap();
+    assert!(report::write(root.path(), &small(), true).is_err());
+    fs::remove_dir(root.path().join("pcf.csv")).unwrap();
+    // Other files are no obstacle.
     fs::write(root.path().join("points.csv"), "input").unwrap();
     report::write(root.path(), &small(), false).unwrap();
     assert!(listing(root.path()).contains(&"points.csv".into()));

@@ -33,8 +33,10 @@ const FRAME: RGBColor = RGBColor(90, 90, 90);
 pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// One value over an interval: `(low end, centre, high end)` and the value there, `None` where undefined.
-pub(super) type Sample = ((f64, f64, f64), Option<f64>);
+/// An interval: low end, centre, high end.
+pub(super) type Interval = (f64, f64, f64);
+/// One value over an interval, `None` where undefined.
+pub(super) type Sample = (Interval, Option<f64>);
 
 /// What is drawn, in this order.
 pub(super) enum Layer {
@@ -77,16 +79,16 @@ pub(super) fn runs(samples: impl IntoIterator<Item = Sample>) -> Vec<Vec<(f64, f
 
 /// As `runs`, for pairs of values.
 pub(super) fn band_runs(
-    samples: impl IntoIterator<Item = ((f64, f64, f64), Option<(f64, f64)>)>,
+    samples: impl IntoIterator<Item = (Interval, Option<(f64, f64)>)>,
 ) -> Vec<Vec<(f64, f64, f64)>> {
-    let mut all: Vec<Vec<((f64, f64, f64), f64, f64)>> = vec![Vec::new()];
+    let mut all: Vec<Vec<(Interval, f64, f64)>> = vec![Vec::new()];
     for (x, y) in samples {
         match (y, all.last_mut()) {
             (Some((a, b)), Some(run)) if a.is_finite() && b.is_finite() => run.push((x, a, b)),
             _ => all.push(Vec::new()),
         }
     }
-    let points = |run: Vec<((f64, f64, f64), f64, f64)>| match run[..] {
+    let points = |run: Vec<(Interval, f64, f64)>| match run[..] {
         [((lo, _, hi), a, b)] => vec![(lo, a, b), (hi, a, b)],
         _ => run.into_iter().map(|((_, x, _), a, b)| (x, a, b)).collect(),
     };

@@ -37,7 +37,7 @@ th { font-weight: normal; color: #555; width: 42%; }
 figure { margin: 1.25rem 0 2rem; }
 figure .picture { overflow-x: auto; }
 figure svg { display: block; width: 100%; min-width: 620px; height: auto; }
-figure img { display: block; width: 100%; max-width: 640px; margin: 0 auto; image-rendering: pixelated; }
+figure img { display: block; width: 100%; max-width: 640px; height: auto; margin: 0 auto; image-rendering: pixelated; }
 figcaption { color: #444; font-size: .95rem; margin-top: .5rem; }
 pre { background: #f6f6f6; padding: .75rem 1rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
 footer { color: #777; font-size: .85rem; margin-top: 3rem; }
@@ -71,9 +71,9 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
 
     html.push_str("<h2>How it was computed</h2>\n");
     if let Some((_, command)) = a.parameters.iter().find(|(name, _)| name == "command") {
-        let _ = write!(html, "<p>Command:</p>\n<pre>{}</pre>\n", escape(command));
+        let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(command));
     }
-    let _ = write!(html, "<pre>{}</pre>\n", escape(a.plan.trim_end()));
+    let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
     let backends: Vec<_> = a.computed_by.backends.iter().map(|b| backend(*b)).collect();
     let mut rows = vec![
         ("Device".into(), escape(&a.computed_by.device)),
