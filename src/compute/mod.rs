@@ -1,5 +1,7 @@
-//! 3. Raw sums, three ways behind one trait: `reference` (slow, exact, one loop per sum of the formula), `cpu` (threads,
-//! SIMD), `gpu` (WGSL; the only folder that names wgpu).
+//! 3. Raw sums, three ways behind one trait:
+//! - `reference`: slow, exact, one loop per sum of the formula;
+//! - `cpu`: threads and SIMD;
+//! - `gpu`: WGSL; the only folder that names wgpu.
 
 pub mod cpu;
 pub mod gpu;
