@@ -34,6 +34,7 @@ p.lead { color: #555; margin: 0 0 1rem; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .3rem .75rem .3rem 0; border-bottom: 1px solid #eee; }
 th { font-weight: normal; color: #555; width: 42%; }
+sub, sup { line-height: 0; }
 figure { margin: 1.25rem 0 2rem; }
 figure .picture { overflow-x: auto; }
 figure svg { display: block; width: 100%; min-width: 620px; height: auto; }
@@ -187,11 +188,11 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
     if let Some(spectrum) = &a.spectrum {
         let (p, se) = spectrum.dc();
         let se = (spectrum.errors == ErrorSource::AcrossRealizations).then_some(se);
-        rows.push(("<i>P</i> at zero frequency (the point count)".into(), with_error(p, se)));
+        rows.push(("<i>P</i> at zero frequency, ∑<i>n</i><sup>2</sup> / ∑<i>n</i>".into(), with_error(p, se)));
     }
     if let Some(radial) = &a.radial {
         let db = human(radial.anisotropy_reference_db);
-        rows.push(("Anisotropy of an isotropic spectrum, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
+        rows.push(("Anisotropy if isotropic, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
     }
     rows.push(("Coinciding points".into(), a.duplicates.to_string()));
     if !a.closed_form.name.is_empty() {
@@ -221,9 +222,10 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
                 human(k.kernel.bandwidth)
             )
         });
+        let weights = if a.domain.is_torus() { "" } else { " (each with its edge-correction weight, if any)" };
         let caption = format!(
             "<i>g</i>(<i>r</i>) = |<i>D</i>| ∑<sub><i>k</i></sub> <i>c<sub>k</sub></i> / \
-             (<i>v</i> ∑<sub><i>k</i></sub> {pairs}): <i>c<sub>k</sub></i> ordered pairs of realization <i>k</i> at \
+             (<i>v</i> ∑<sub><i>k</i></sub> {pairs}): <i>c<sub>k</sub></i> ordered pairs{weights} of realization <i>k</i> at \
              distance <i>r</i> ± half a bin, over the number expected of independent points, with <i>v</i> the \
              measure of the shell and |<i>D</i>| that of the domain; 1 means no correlation.{kernel}"
         );

@@ -1,5 +1,7 @@
 //! `pcf.svg`, `spectrum_radial.svg`, `anisotropy.svg`: what is drawn in each, and over which range.
 
+use std::ops::Range;
+
 use super::figure::{BLUE, Figure, GREY, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
@@ -55,7 +57,11 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let closed = analysis.closed_form.g.as_deref();
     let kernel = analysis.kernel.as_ref();
     let smooth: Vec<f64> = closed.unwrap_or_default().to_vec();
-    let top = top_of(&values, &smooth);
+    let (y, log_y) = match decades(&values) {
+        Some(range) => (range, true),
+        None => (0.0..top_of(&values, &smooth), false),
+    };
+    let top = y.end;
 
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
     let mut layers = vec![
@@ -82,7 +88,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         Normalization::Pairs => "",
         Normalization::Intensity => ", normalized by n²",
     };
-    let bandwidth = kernel.map_or(String::new(), |k| format!(" · kernel s.d. {}", human(k.kernel.bandwidth)));
+    let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),
@@ -95,8 +101,9 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         x_label: "distance r (length units of the domain)".into(),
         y_label: "g(r) (dimensionless)".into(),
         x: if log_x { first.0..last.2 } else { 0f64.min(first.0)..last.2 },
-        y: 0.0..top,
+        y,
         log_x,
+        log_y,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
     };
@@ -138,6 +145,7 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
         x,
         y: 0.0..top,
         log_x: false,
+        log_y: false,
         top: None,
         layers,
     };
@@ -195,6 +203,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
         x,
         y,
         log_x: false,
+        log_y: false,
         top: None,
         layers,
     };
@@ -232,6 +241,15 @@ fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
     let limit = headroom * quantile(&bulk, 0.95).unwrap_or(1.0).max(1.0);
     let highest = extent(&all).map_or(1.0, |e| e.1);
     1.06 * highest.min(limit).max(1.3)
+}
+
+/// The range of a clustered pattern, whose g falls from far above 1: decades, since on a linear axis either the clusters
+/// or the rest could be seen. Not for curves that are 0 in many places, such as a lattice's.
+fn decades(values: &[(f64, f64)]) -> Option<Range<f64>> {
+    let positive: Vec<f64> = values.iter().filter(|(v, se)| v.is_finite() && *v > 0.0 && se < v).map(|v| v.0).collect();
+    let (lowest, highest) = extent(&positive)?;
+    let whole = 5 * positive.len() >= 3 * values.len() && highest > 30.0;
+    whole.then(|| (0.7 * lowest.min(0.5)).max(1e-3)..1.5 * highest)
 }
 
 /// Says so where values lie above the axis, or where there is none.
