@@ -202,6 +202,13 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     let bins = RadialBins::logarithmic(0.01, 60.0, 40).unwrap();
     scenes.push(("window log", analyze("trees <a & \"b\">.csv", &window, &sets, bins, &[40, 10])));
 
+    for (name, sides) in [("wide", [1e6, 1.0]), ("tall", [1.0, 900.0])] {
+        let domain = Domain::torus(&sides).unwrap();
+        let xy =
+            uniform(2, 50, 1).coordinates.chunks_exact(2).flat_map(|p| [p[0] * sides[0], p[1] * sides[1]]).collect();
+        scenes.push((name, analyze(name, &domain, &[raw(2, xy)], linear(0.5, 4), &[4, 4])));
+    }
+
     let mut a = analyze("one bin, P = 0", &unit(2), &[uniform(2, 6, 1), uniform(2, 4, 2)], linear(0.5, 1), &[1, 1]);
     zero(&mut a);
     scenes.push(("one bin", a));

@@ -88,12 +88,13 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         Normalization::Pairs => "",
         Normalization::Intensity => ", normalized by n²",
     };
+    let below = if log_y && pcf.g.iter().any(|&g| g < y.start) { " · g near 0 lies below the frame" } else { "" };
     let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),
         note: format!(
-            "{}{normalization} · {}{bandwidth}{}",
+            "{}{normalization} · {}{bandwidth}{}{below}",
             size(analysis),
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)

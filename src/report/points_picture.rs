@@ -32,6 +32,12 @@ pub(super) fn caption(analysis: &Analysis) -> String {
     caption
 }
 
+/// Round numbers along an axis of `length` px, as many as have room: none on a sliver.
+fn labels(range: &std::ops::Range<f64>, length: f64) -> Vec<(f64, String)> {
+    let room = (length / 60.0).floor().min(5.0) as u32;
+    if room == 0 { Vec::new() } else { ticks(range, room) }
+}
+
 /// The picture.
 pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
     let domain = &analysis.domain;
@@ -75,7 +81,7 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
     }
     let mut marks = Vec::new();
     let x_range = domain.origin()[0]..domain.origin()[0] + side_x;
-    for (t, text) in ticks(&x_range, if width > 200.0 { 5 } else { 2 }) {
+    for (t, text) in labels(&x_range, width) {
         let x = left + (t - x_range.start) / side_x * width;
         label(&mut overlay, x, TOP + height + 20.0, "middle", &text);
         marks.push([(x, TOP + height), (x, TOP + height + 5.0)]);
@@ -83,7 +89,7 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
     label(&mut overlay, left + 0.5 * width, TOP + height + 44.0, "middle", "x (length units)");
     if let Some(side) = side_y {
         let y_range = domain.origin()[1]..domain.origin()[1] + side;
-        for (t, text) in ticks(&y_range, if height > 300.0 { 5 } else { 3 }) {
+        for (t, text) in labels(&y_range, height) {
             let y = TOP + (1.0 - (t - y_range.start) / side) * height;
             label(&mut overlay, left - 9.0, y + 4.5, "end", &text);
             marks.push([(left - 5.0, y), (left, y)]);
