@@ -29,6 +29,8 @@ pub struct Analysis {
     pub shape: EnsembleShape,
     /// Smallest number of points in a realization.
     pub min_points: u64,
+    /// The edge correction of g.
+    pub correction: Correction,
     /// g per bin.
     pub pair_correlation: Option<PairCorrelation>,
     /// g smoothed, at the bin centres.
@@ -333,6 +335,7 @@ pub fn run(
         domain: source.domain().clone(),
         shape,
         min_points: points.0,
+        correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
         pair_correlation,
         kernel,
         spectrum,

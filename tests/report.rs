@@ -40,6 +40,7 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         domain: domain.clone(),
         shape,
         min_points: (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).min().unwrap() as u64,
+        correction,
         pair_correlation: Some(PairCorrelation::new(&pair_plan, &counts, Normalization::Pairs)),
         kernel: None,
         spectrum: Some(spectrum),
@@ -177,6 +178,13 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     let sets = [300, 280, 341].map(|n| stretch(clustered(2, n, n as u64)));
     let bins = RadialBins::logarithmic(0.01, 60.0, 40).unwrap();
     scenes.push(("window log", analyze("trees <a & \"b\">.csv", &window, &sets, bins, &[40, 10])));
+
+    for (name, sides) in [("wide", [1e6, 1.0]), ("tall", [1.0, 900.0])] {
+        let domain = Domain::torus(&sides).unwrap();
+        let xy =
+            uniform(2, 50, 1).coordinates.chunks_exact(2).flat_map(|p| [p[0] * sides[0], p[1] * sides[1]]).collect();
+        scenes.push((name, analyze(name, &domain, &[raw(2, xy)], linear(0.5, 4), &[4, 4])));
+    }
 
     let mut a = analyze("one bin, P = 0", &unit(2), &[uniform(2, 6, 1), uniform(2, 4, 2)], linear(0.5, 1), &[1, 1]);
     zero(&mut a);
@@ -332,7 +340,7 @@ fn files_for_what_there_is() {
     let one = analyze("1D", &Domain::unit_torus(1), &[uniform(1, 9, 1)], bins(), &[5]);
     let dir = root.path().join("one");
     report::write(&dir, &one, false).unwrap();
-    assert!(!listing(&dir).iter().any(|f| f == "spectrum_se.npy" || f == "spectrum.png"));
+    assert!(!listing(&dir).iter().any(|f| ["spectrum_se.npy", "spectrum.png", "anisotropy.svg"].contains(&f.as_str())));
 
     let mut bare = small();
     (bare.pair_correlation, bare.spectrum, bare.radial, bare.neighbors) = (None, None, None, None);
@@ -479,8 +487,12 @@ fn a_file_of_ours_by_name_alone_is_not_lost() {
     fs::write(root.path().join("pcf.csv"), "somebody's own").unwrap();
     let refusal = report::write(root.path(), &small(), false).unwrap_err();
     assert!(refusal.to_string().contains("holds a file pcf.csv already; --force replaces it"), "{refusal}");
-    // Other files are no obstacle.
+    // Nor a whole directory, not even by force.
     fs::remove_file(root.path().join("pcf.csv")).unwrap();
+    fs::create_dir(root.path().join("pcf.csv")).unwrap();
+    assert!(report::write(root.path(), &small(), true).is_err());
+    fs::remove_dir(root.path().join("pcf.csv")).unwrap();
+    // Other files are no obstacle.
     fs::write(root.path().join("points.csv"), "input").unwrap();
     report::write(root.path(), &small(), false).unwrap();
     assert!(listing(root.path()).contains(&"points.csv".into()));
@@ -504,8 +516,7 @@ fn bad_paths_fail_early_and_name_the_flag() {
 
 #[test]
 fn a_failure_leaves_everything_as_it_was() {
-    // A directory of our file's name cannot be replaced by ... it can be moved away, but a spectrum whose store is too
-    // short cannot be written.
+    // A spectrum whose store is too short cannot be written: the run dies in the middle, after the first tables.
     let mut broken = small();
     broken.spectrum.as_mut().unwrap().p_se.truncate(3);
     let root = tempfile::tempdir().unwrap();

@@ -12,7 +12,7 @@ use pairwave::Result;
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
     /// Measure g(r), P(nu) and neighbour distances of point files or a sampler
-    Analyze(analyze::Analyze),
+    Analyze(Box<analyze::Analyze>),
     /// Write realizations of a sampler to a file
     Sample(sample::Sample),
     /// List the samplers with their parameters

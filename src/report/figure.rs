@@ -33,8 +33,10 @@ const FRAME: RGBColor = RGBColor(90, 90, 90);
 pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// One value over an interval: `(low end, centre, high end)` and the value there, `None` where undefined.
-pub(super) type Sample = ((f64, f64, f64), Option<f64>);
+/// An interval: low end, centre, high end.
+pub(super) type Interval = (f64, f64, f64);
+/// One value over an interval, `None` where undefined.
+pub(super) type Sample = (Interval, Option<f64>);
 
 /// What is drawn, in this order.
 pub(super) enum Layer {
@@ -64,6 +66,8 @@ pub(super) struct Figure {
     pub(super) x: Range<f64>,
     pub(super) y: Range<f64>,
     pub(super) log_x: bool,
+    /// Only for a range that starts above 0; what is 0 leaves the frame at the bottom.
+    pub(super) log_y: bool,
     pub(super) top: Option<TopAxis>,
     pub(super) layers: Vec<Layer>,
 }
@@ -77,16 +81,16 @@ pub(super) fn runs(samples: impl IntoIterator<Item = Sample>) -> Vec<Vec<(f64, f
 
 /// As `runs`, for pairs of values.
 pub(super) fn band_runs(
-    samples: impl IntoIterator<Item = ((f64, f64, f64), Option<(f64, f64)>)>,
+    samples: impl IntoIterator<Item = (Interval, Option<(f64, f64)>)>,
 ) -> Vec<Vec<(f64, f64, f64)>> {
-    let mut all: Vec<Vec<((f64, f64, f64), f64, f64)>> = vec![Vec::new()];
+    let mut all: Vec<Vec<(Interval, f64, f64)>> = vec![Vec::new()];
     for (x, y) in samples {
         match (y, all.last_mut()) {
             (Some((a, b)), Some(run)) if a.is_finite() && b.is_finite() => run.push((x, a, b)),
             _ => all.push(Vec::new()),
         }
     }
-    let points = |run: Vec<((f64, f64, f64), f64, f64)>| match run[..] {
+    let points = |run: Vec<(Interval, f64, f64)>| match run[..] {
         [((lo, _, hi), a, b)] => vec![(lo, a, b), (hi, a, b)],
         _ => run.into_iter().map(|((_, x, _), a, b)| (x, a, b)).collect(),
     };
@@ -104,6 +108,15 @@ impl Figure {
         if self.log_x { x.ln() } else { x }
     }
 
+    /// The ordinate as it is drawn.
+    fn place_y(&self, y: f64) -> f64 {
+        if self.log_y { y.max(self.y.start * 1e-3).ln() } else { y }
+    }
+
+    fn drawn_y(&self) -> Range<f64> {
+        self.place_y(self.y.start)..self.place_y(self.y.end)
+    }
+
     fn drawn_x(&self) -> Range<f64> {
         self.place(self.x.start)..self.place(self.x.end)
     }
@@ -114,14 +127,15 @@ impl Figure {
     }
 
     fn px_y(&self, y: f64) -> f64 {
-        BOTTOM - (y - self.y.start) / (self.y.end - self.y.start) * (BOTTOM - self.frame_top())
+        let drawn = self.drawn_y();
+        BOTTOM - (self.place_y(y) - drawn.start) / (drawn.end - drawn.start) * (BOTTOM - self.frame_top())
     }
 
     /// The picture as SVG text.
     pub(super) fn svg(&self) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
         let mut text = heading(self.title, &self.subject, &self.note);
         let x_ticks = if self.log_x { log_ticks(&self.x) } else { ticks(&self.x, 9) };
-        let y_ticks = ticks(&self.y, 7);
+        let y_ticks = if self.log_y { log_ticks(&self.y) } else { ticks(&self.y, 7) };
         for &(x, ref label) in &x_ticks {
             write_text(&mut text, self.px_x(x), BOTTOM + 21.0, "middle", LABEL, label);
         }
@@ -166,26 +180,26 @@ impl Figure {
             .margin_right(px(f64::from(WIDTH) - RIGHT))
             .margin_top(px(self.frame_top()))
             .margin_bottom(px(f64::from(HEIGHT) - BOTTOM))
-            .build_cartesian_2d(self.drawn_x(), self.y.clone())?;
+            .build_cartesian_2d(self.drawn_x(), self.drawn_y())?;
+        let level = |y: f64| [(self.drawn_x().start, self.place_y(y)), (self.drawn_x().end, self.place_y(y))];
         for &y in y_ticks {
-            let line = [(self.drawn_x().start, y), (self.drawn_x().end, y)];
-            chart.draw_series(LineSeries::new(line, GRID.stroke_width(px(1.0))))?;
+            chart.draw_series(LineSeries::new(level(y), GRID.stroke_width(px(1.0))))?;
         }
         for layer in &self.layers {
             match layer {
                 Layer::Band { color, runs, .. } => {
                     for run in runs {
-                        let there = run.iter().map(|&(x, lo, _)| (self.place(x), lo));
-                        let back = run.iter().rev().map(|&(x, _, hi)| (self.place(x), hi));
-                        let polygon = clipped_polygon(there.chain(back).collect(), &self.y);
+                        let there = run.iter().map(|&(x, lo, _)| (self.place(x), self.place_y(lo)));
+                        let back = run.iter().rev().map(|&(x, _, hi)| (self.place(x), self.place_y(hi)));
+                        let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
                         chart.draw_series([Polygon::new(polygon, color.mix(0.22))])?;
                     }
                 }
                 Layer::Line { color, width, dashed, runs, .. } => {
                     let style = color.stroke_width(px(*width));
                     for run in runs {
-                        let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), y)).collect();
-                        for piece in clipped_line(&run, &self.y) {
+                        let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
+                        for piece in clipped_line(&run, &self.drawn_y()) {
                             if *dashed {
                                 chart.draw_series(DashedLineSeries::new(piece, 70, 45, style))?;
                             } else {
@@ -195,19 +209,18 @@ impl Figure {
                     }
                 }
                 Layer::Level { y, .. } if self.y.contains(y) => {
-                    let line = [(self.drawn_x().start, *y), (self.drawn_x().end, *y)];
-                    chart.draw_series(LineSeries::new(line, GREY.stroke_width(px(1.2))))?;
+                    chart.draw_series(LineSeries::new(level(*y), GREY.stroke_width(px(1.2))))?;
                 }
                 Layer::Hint { x, .. } => {
-                    let line = [(self.place(*x), self.y.start), (self.place(*x), self.y.end)];
+                    let line = [self.drawn_y().start, self.drawn_y().end].map(|y| (self.place(*x), y));
                     chart.draw_series(DashedLineSeries::new(line, 20, 40, GREY.stroke_width(px(1.0))))?;
                 }
                 Layer::Level { .. } => {}
             }
         }
         let at = |x: f64, y: f64| (fine(x), fine(y));
-        let thin = FRAME.stroke_width(px(1.0));
-        root.draw(&Rectangle::new([at(LEFT, self.frame_top()), at(RIGHT, BOTTOM)], thin))?;
+        let thin = thin();
+        root.draw(&frame((LEFT, self.frame_top()), (RIGHT, BOTTOM)))?;
         for &x in x_ticks {
             let x = self.px_x(x);
             root.draw(&PathElement::new([at(x, BOTTOM), at(x, BOTTOM + 5.0)], thin))?;
@@ -267,6 +280,17 @@ impl Figure {
     }
 }
 
+/// The style of frames and ticks.
+pub(super) fn thin() -> ShapeStyle {
+    FRAME.stroke_width(FINE as u32)
+}
+
+/// A frame between two corners in px. Not a plotters rectangle, whose line has no width in SVG.
+pub(super) fn frame((x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> PathElement<(i32, i32)> {
+    let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
+    PathElement::new(corners.map(|(x, y)| (fine(x), fine(y))), thin())
+}
+
 /// Attributes of the kinds of text.
 const TITLE: &str = r##"font-size="19" font-weight="bold" fill="#222222""##;
 const NOTE: &str = r##"font-size="13" fill="#555555""##;
@@ -309,7 +333,7 @@ fn width_of(svg_text: &str) -> f64 {
                 hidden = None;
                 width += if end == ';' { 7.0 } else { 0.0 };
             }
-            (None, _) => width += 6.9,
+            (None, _) => width += 6.6,
             _ => {}
         }
     }
@@ -320,7 +344,8 @@ fn hex(color: RGBColor) -> String {
     format!("#{:02x}{:02x}{:02x}", color.0, color.1, color.2)
 }
 
-fn fine(px: f64) -> i32 {
+/// Backend pixels of a length in px.
+pub(super) fn fine(px: f64) -> i32 {
     (px * f64::from(FINE)).round() as i32
 }
 
@@ -371,7 +396,7 @@ pub(super) fn ticks(range: &Range<f64>, target: u32) -> Vec<(f64, String)> {
         return Vec::new();
     }
     let decade = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.999).unwrap_or(10.0 * decade);
+    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.7).unwrap_or(10.0 * decade);
     let (first, last) = ((range.start / step - 1e-9).ceil() as i64, (range.end / step + 1e-9).floor() as i64);
     (first..=last).map(|k| k as f64 * step).map(|t| (t, tick(t, step))).collect()
 }
@@ -441,7 +466,7 @@ mod tests {
     fn ticks_are_round_and_inside() {
         let labels = |r: Range<f64>| ticks(&r, 6).into_iter().map(|t| t.1).collect::<Vec<_>>();
         assert_eq!(labels(0.0..0.27), ["0", "0.05", "0.10", "0.15", "0.20", "0.25"]);
-        assert_eq!(labels(-30.0..5.0), ["−30", "−20", "−10", "0"]);
+        assert_eq!(labels(-50.0..5.0), ["−50", "−40", "−30", "−20", "−10", "0"]);
         assert!(labels(1.0..1.0).is_empty());
         let decades = log_ticks(&(1e-3..0.5)).into_iter().map(|t| t.1).collect::<Vec<_>>();
         assert_eq!(decades[..4], ["0.001", "0.002", "0.005", "0.01"]);

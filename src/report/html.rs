@@ -34,10 +34,11 @@ p.lead { color: #555; margin: 0 0 1rem; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .3rem .75rem .3rem 0; border-bottom: 1px solid #eee; }
 th { font-weight: normal; color: #555; width: 42%; }
+sub, sup { line-height: 0; }
 figure { margin: 1.25rem 0 2rem; }
 figure .picture { overflow-x: auto; }
 figure svg { display: block; width: 100%; min-width: 620px; height: auto; }
-figure img { display: block; width: 100%; max-width: 640px; margin: 0 auto; image-rendering: pixelated; }
+figure img { display: block; width: 100%; max-width: 640px; height: auto; margin: 0 auto; image-rendering: pixelated; }
 figcaption { color: #444; font-size: .95rem; margin-top: .5rem; }
 pre { background: #f6f6f6; padding: .75rem 1rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
 footer { color: #777; font-size: .85rem; margin-top: 3rem; }
@@ -71,9 +72,9 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
 
     html.push_str("<h2>How it was computed</h2>\n");
     if let Some((_, command)) = a.parameters.iter().find(|(name, _)| name == "command") {
-        let _ = write!(html, "<p>Command:</p>\n<pre>{}</pre>\n", escape(command));
+        let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(command));
     }
-    let _ = write!(html, "<pre>{}</pre>\n", escape(a.plan.trim_end()));
+    let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
     let backends: Vec<_> = a.computed_by.backends.iter().map(|b| backend(*b)).collect();
     let mut rows = vec![
         ("Device".into(), escape(&a.computed_by.device)),
@@ -187,11 +188,11 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
     if let Some(spectrum) = &a.spectrum {
         let (p, se) = spectrum.dc();
         let se = (spectrum.errors == ErrorSource::AcrossRealizations).then_some(se);
-        rows.push(("<i>P</i> at zero frequency (the point count)".into(), with_error(p, se)));
+        rows.push(("<i>P</i> at zero frequency, ∑<i>n</i><sup>2</sup> / ∑<i>n</i>".into(), with_error(p, se)));
     }
     if let Some(radial) = &a.radial {
         let db = human(radial.anisotropy_reference_db);
-        rows.push(("Anisotropy of an isotropic spectrum, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
+        rows.push(("Anisotropy if isotropic, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
     }
     rows.push(("Coinciding points".into(), a.duplicates.to_string()));
     if !a.closed_form.name.is_empty() {
@@ -221,9 +222,15 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
                 human(k.kernel.bandwidth)
             )
         });
+        let weights = match a.correction {
+            Correction::None => "",
+            Correction::Translation => {
+                " (each weighing |<i>D</i>| / |<i>D</i> ∩ (<i>D</i> + <i>h</i>)|, <i>h</i> being the vector between the points)"
+            }
+        };
         let caption = format!(
             "<i>g</i>(<i>r</i>) = |<i>D</i>| ∑<sub><i>k</i></sub> <i>c<sub>k</sub></i> / \
-             (<i>v</i> ∑<sub><i>k</i></sub> {pairs}): <i>c<sub>k</sub></i> ordered pairs of realization <i>k</i> at \
+             (<i>v</i> ∑<sub><i>k</i></sub> {pairs}): <i>c<sub>k</sub></i> ordered pairs{weights} of realization <i>k</i> at \
              distance <i>r</i> ± half a bin, over the number expected of independent points, with <i>v</i> the \
              measure of the shell and |<i>D</i>| that of the domain; 1 means no correlation.{kernel}"
         );

@@ -51,16 +51,19 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
         Ok(found) if !found.is_dir() => {
             return setting("is a file; expected a directory, or a path to create one".into());
         }
-        Ok(_) if !force => {
-            if dir.join(SUMMARY).symlink_metadata().is_ok() {
+        Ok(_) => {
+            if let Some(name) = FILES.iter().find(|f| dir.join(f).is_dir()) {
+                return setting(format!("holds a directory {name}, where a file would go; expected another directory"));
+            }
+            let ours = |name: &str| !force && dir.join(name).symlink_metadata().is_ok();
+            if ours(SUMMARY) {
                 return setting("holds a result already; --force replaces it".into());
             }
             // Not a result, perhaps somebody's own file of that name: no reason to lose it.
-            if let Some(name) = FILES.iter().find(|f| dir.join(f).symlink_metadata().is_ok()) {
+            if let Some(name) = FILES.iter().find(|f| ours(f)) {
                 return setting(format!("holds a file {name} already; --force replaces it"));
             }
         }
-        Ok(_) => {}
         Err(e) if e.kind() == io::ErrorKind::NotFound => {
             if dir.symlink_metadata().is_ok() {
                 return setting("is a link to nothing; expected a directory, or a path to create one".into());
@@ -249,5 +252,33 @@ impl Written<'_> {
             });
             self.done.push((name, result));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A move that fails half way through is undone.
+    #[test]
+    fn a_failed_replacement_restores_the_old_result() {
+        let root = tempfile::tempdir().unwrap();
+        let [dir, new, old] = ["dir", "new", "old"].map(|name| root.path().join(name));
+        for path in [&dir, &new, &old] {
+            fs::create_dir(path).unwrap();
+        }
+        for (path, text) in [(dir.join("pcf.csv"), "old g"), (dir.join(SUMMARY), "old"), (new.join("pcf.csv"), "new g")]
+        {
+            fs::write(path, text).unwrap();
+        }
+        // The new summary was never written.
+        assert!(replace(&dir, &new, &old, &["pcf.csv", SUMMARY]).is_err());
+        assert_eq!(fs::read_to_string(dir.join("pcf.csv")).unwrap(), "old g");
+        assert_eq!(fs::read_to_string(dir.join(SUMMARY)).unwrap(), "old");
+
+        fs::write(new.join(SUMMARY), "new").unwrap();
+        replace(&dir, &new, &old, &["pcf.csv", SUMMARY]).unwrap();
+        assert_eq!(fs::read_to_string(dir.join("pcf.csv")).unwrap(), "new g");
+        assert_eq!(fs::read_to_string(dir.join(SUMMARY)).unwrap(), "new");
     }
 }

@@ -1,5 +1,7 @@
 //! `pcf.svg`, `spectrum_radial.svg`, `anisotropy.svg`: what is drawn in each, and over which range.
 
+use std::ops::Range;
+
 use super::figure::{BLUE, Figure, GREY, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
@@ -55,7 +57,11 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let closed = analysis.closed_form.g.as_deref();
     let kernel = analysis.kernel.as_ref();
     let smooth: Vec<f64> = closed.unwrap_or_default().to_vec();
-    let top = top_of(&values, &smooth);
+    let (y, log_y) = match decades(&values) {
+        Some(range) => (range, true),
+        None => (0.0..top_of(&values, &smooth), false),
+    };
+    let top = y.end;
 
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
     let mut layers = vec![
@@ -68,7 +74,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: at(&pcf.g) },
     ];
     if let Some(k) = kernel {
-        let name = format!("{} kernel, bandwidth {}", kernel_name(k.kernel.shape), human(k.kernel.bandwidth));
+        let name = format!("{} kernel", kernel_name(k.kernel.shape));
         let samples = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
         layers.push(Layer::Line { name, color: VERMILION, width: 1.4, dashed: false, runs: runs(samples) });
     }
@@ -82,11 +88,13 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         Normalization::Pairs => "",
         Normalization::Intensity => ", normalized by n²",
     };
+    let below = if log_y && pcf.g.iter().any(|&g| g < y.start) { " · g near 0 lies below the frame" } else { "" };
+    let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),
         note: format!(
-            "{}{normalization} · {}{}",
+            "{}{normalization} · {}{bandwidth}{}{below}",
             size(analysis),
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)
@@ -94,8 +102,9 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         x_label: "distance r (length units of the domain)".into(),
         y_label: "g(r) (dimensionless)".into(),
         x: if log_x { first.0..last.2 } else { 0f64.min(first.0)..last.2 },
-        y: 0.0..top,
+        y,
         log_x,
+        log_y,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
     };
@@ -137,14 +146,19 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
         x,
         y: 0.0..top,
         log_x: false,
+        log_y: false,
         top: None,
         layers,
     };
     Some(figure.svg())
 }
 
-/// Anisotropy against nu, with the level of an isotropic spectrum and the scatter expected around it.
+/// Anisotropy against nu, with the level of an isotropic spectrum and the scatter expected around it. In one dimension a
+/// ring is a single independent mode: there is nothing to draw.
 pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
+    if analysis.domain.dim() == 1 {
+        return None;
+    }
     let radial = analysis.radial.as_ref()?;
     let rings = &radial.rings;
     let reference = radial.anisotropy_reference_db;
@@ -177,7 +191,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     layers.extend(mean_frequency(analysis, x.end));
     let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size(analysis));
     if defined.is_empty() {
-        note.push_str(" · undefined in every ring: P has no spread");
+        note.push_str(" · undefined in every ring: no spread, or single modes");
     } else if outside > 0 {
         note.push_str(&format!(" · outside the frame: {outside} of {} rings", rings.len()));
     }
@@ -190,6 +204,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
         x,
         y,
         log_x: false,
+        log_y: false,
         top: None,
         layers,
     };
@@ -229,8 +244,20 @@ fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
     1.06 * highest.min(limit).max(1.3)
 }
 
-/// Says so where values lie above the axis.
-fn cut(values: impl Iterator<Item = f64>, top: f64) -> String {
+/// The range of a clustered pattern, whose g falls from far above 1: decades, since on a linear axis either the clusters
+/// or the rest could be seen. Not for curves that are 0 in many places, such as a lattice's.
+fn decades(values: &[(f64, f64)]) -> Option<Range<f64>> {
+    let positive: Vec<f64> = values.iter().filter(|(v, se)| v.is_finite() && *v > 0.0 && se < v).map(|v| v.0).collect();
+    let (lowest, highest) = extent(&positive)?;
+    let whole = 5 * positive.len() >= 3 * values.len() && highest > 30.0;
+    whole.then(|| (0.7 * lowest.min(0.5)).max(1e-3)..1.5 * highest)
+}
+
+/// Says so where values lie above the axis, or where there is none.
+fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String {
+    if !values.clone().any(f64::is_finite) {
+        return " · undefined everywhere".into();
+    }
     let above: Vec<f64> = values.filter(|&v| v > top).collect();
     match extent(&above) {
         Some((_, largest)) => format!(" · ▲ {} above the frame, up to {}", above.len(), human(largest)),

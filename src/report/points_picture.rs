@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use plotters::prelude::*;
 
-use super::figure::{BLUE, WIDTH, heading, label, picture, ticks};
+use super::figure::{BLUE, WIDTH, fine, frame, heading, label, picture, thin, ticks};
 use super::text::human;
 use crate::analysis::Analysis;
 
@@ -12,7 +12,7 @@ use crate::analysis::Analysis;
 pub(super) const MAX_POINTS: usize = 20_000;
 
 /// Longest side of the frame in px.
-const SIDE: f64 = 700.0;
+const SIDE: f64 = 732.0;
 const TOP: f64 = 92.0;
 /// A strip's height in px, for one dimension.
 const STRIP: f64 = 60.0;
@@ -30,6 +30,12 @@ pub(super) fn caption(analysis: &Analysis) -> String {
     }
     caption.push_str(if analysis.domain.is_torus() { "; torus" } else { "; window" });
     caption
+}
+
+/// Round numbers along an axis of `length` px, as many as have room: none on a sliver.
+fn labels(range: &std::ops::Range<f64>, length: f64) -> Vec<(f64, String)> {
+    let room = (length / 60.0).floor().min(5.0) as u32;
+    if room == 0 { Vec::new() } else { ticks(range, room) }
 }
 
 /// The picture.
@@ -75,7 +81,7 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
     }
     let mut marks = Vec::new();
     let x_range = domain.origin()[0]..domain.origin()[0] + side_x;
-    for (t, text) in ticks(&x_range, if width > 200.0 { 5 } else { 2 }) {
+    for (t, text) in labels(&x_range, width) {
         let x = left + (t - x_range.start) / side_x * width;
         label(&mut overlay, x, TOP + height + 20.0, "middle", &text);
         marks.push([(x, TOP + height), (x, TOP + height + 5.0)]);
@@ -83,20 +89,21 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
     label(&mut overlay, left + 0.5 * width, TOP + height + 44.0, "middle", "x (length units)");
     if let Some(side) = side_y {
         let y_range = domain.origin()[1]..domain.origin()[1] + side;
-        for (t, text) in ticks(&y_range, if height > 200.0 { 5 } else { 1 }) {
+        for (t, text) in labels(&y_range, height) {
             let y = TOP + (1.0 - (t - y_range.start) / side) * height;
             label(&mut overlay, left - 9.0, y + 4.5, "end", &text);
             marks.push([(left - 5.0, y), (left, y)]);
         }
-        label(&mut overlay, left - 40.0, TOP + 0.5 * height, "end", "y");
+        let _ =
+            writeln!(overlay, r#"<g transform="translate({:.1} {:.1}) rotate(-90)">"#, left - 56.0, TOP + 0.5 * height);
+        label(&mut overlay, 0.0, 0.0, "middle", "y (length units)");
+        overlay.push_str("</g>\n");
     }
     let description = format!("Points. {}. {}, n = {}", analysis.subject, caption(analysis), human(n as f64));
     picture((WIDTH, canvas_height), &super::text::escape(&description), &overlay, |root| {
-        let fine = |(x, y): (f64, f64)| ((10.0 * x).round() as i32, (10.0 * y).round() as i32);
-        let thin = RGBColor(90, 90, 90).stroke_width(10);
-        root.draw(&Rectangle::new([fine((left, TOP)), fine((left + width, TOP + height))], thin))?;
+        root.draw(&frame((left, TOP), (left + width, TOP + height)))?;
         for mark in marks {
-            root.draw(&PathElement::new(mark.map(fine), thin))?;
+            root.draw(&PathElement::new(mark.map(|(x, y)| (fine(x), fine(y))), thin()))?;
         }
         Ok(())
     })

@@ -173,7 +173,8 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
         radial: a.radial.as_ref().map(|r| RadialOut {
             rings: r.rings.len(),
             errors: r.errors,
-            anisotropy_reference_db: r.anisotropy_reference_db,
+            // -10 log10 1 is -0.
+            anisotropy_reference_db: r.anisotropy_reference_db + 0.0,
         }),
         neighbors: a.neighbors.as_ref().map(|n| Neighbors {
             minimum: n.minimum,

@@ -7,9 +7,9 @@ pub(super) struct Table {
     columns: Vec<(&'static str, Vec<String>)>,
 }
 
-/// A float as the shortest decimal that reads back as the same f64; undefined or infinite: empty.
+/// A float as the shortest decimal that reads back as the same f64, zero without a sign; undefined or infinite: empty.
 fn cell(x: f64) -> String {
-    if x.is_finite() { format!("{x:?}") } else { String::new() }
+    if x.is_finite() { format!("{:?}", x + 0.0) } else { String::new() }
 }
 
 impl Table {
