@@ -315,6 +315,15 @@ mod tests {
     }
 
     #[test]
+    fn many_small_realizations_go_together() {
+        let t = Tuning::new(false);
+        let (points, histograms) = (t.buffer_bytes as usize / 16, t.buffer_bytes as usize / 1024);
+        let all = dispatches(&[256; 10_000], 256, t.pairs_per_dispatch, points, histograms);
+        assert_eq!(all.len(), 1);
+        assert_eq!(all[0].jobs.len(), 10_000);
+    }
+
+    #[test]
     fn rounding_stays_below_the_period() {
         assert_eq!(rounded(u64::MAX, 0), 0);
         assert_eq!(rounded(1 << 31, 0), 1);
