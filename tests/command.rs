@@ -299,6 +299,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--max-frequency 2000,2000,2000: 64048012001 wave vectors need 477 GiB per grid; at most 2^31 are supported",
         ),
         ("analyze ok.csv --device 99", 1, "--device 99:"),
+        ("analyze ok.csv --threads 100000", 2, "--threads 100000:"),
         ("analyze ok.csv --threads 0", 2, "--threads 0:"),
         (
             "analyze --sampler jitterd -n 64",

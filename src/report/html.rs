@@ -11,6 +11,7 @@ use super::text::{escape, human, with_error};
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{ErrorSource, Normalization};
+use crate::plan::Correction;
 
 /// The pictures of one report, as far as there are any.
 #[derive(Default)]

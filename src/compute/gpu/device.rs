@@ -104,10 +104,10 @@ pub(super) fn candidates(choice: AdapterChoice) -> Result<Vec<(AdapterSummary, w
     };
     found.sort_by_key(|(s, _)| rank(s));
     if found.is_empty() {
-        let reason = if list.is_empty() {
-            "no Vulkan, Metal or Direct3D 12 driver was found; use --device cpu".to_string()
-        } else {
-            format!("not among the adapters here ({list})")
+        let reason = match choice {
+            _ if list.is_empty() => "no GPU driver (Vulkan, Metal or Direct3D 12) found".to_string(),
+            AdapterChoice::HardwareOnly => format!("no hardware GPU found, only {list}"),
+            _ => format!("no adapter has that index; there is {list}"),
         };
         return Err(Error::NoDevice { asked: choice.asked(), reason });
     }
