@@ -34,23 +34,23 @@ pub struct PointsRequest {
     pub sampler: Option<String>,
 
     /// Points per realization (with --sampler)
-    #[arg(short = 'n', long = "points", value_name = "N", requires = "sampler")]
+    #[arg(short = 'n', long = "points", value_name = "N")]
     pub points: Option<u64>,
 
     /// Number of realizations (with --sampler) [default: 1]
-    #[arg(short = 'k', long = "realizations", value_name = "K", requires = "sampler")]
+    #[arg(short = 'k', long = "realizations", value_name = "K")]
     pub realizations: Option<u64>,
 
     /// Dimension, 1 to 3 (with --sampler) [default: 2]
-    #[arg(long, value_name = "D", requires = "sampler")]
+    #[arg(long, value_name = "D")]
     pub dim: Option<usize>,
 
     /// Seed (with --sampler) [default: 1]
-    #[arg(long, requires = "sampler")]
+    #[arg(long)]
     pub seed: Option<u64>,
 
     /// A sampler's parameter; may be repeated
-    #[arg(long = "param", value_name = "KEY=VALUE", requires = "sampler")]
+    #[arg(long = "param", value_name = "KEY=VALUE")]
     pub params: Vec<String>,
 
     /// Read files as raw little-endian numbers, e.g. f32x2

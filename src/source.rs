@@ -84,6 +84,7 @@ impl Source {
             let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
             return Ok(Self { subject, domain, kind: Kind::Process(process) });
         }
+        only_for_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
             return Err(Error::setting("--window", list(window), "expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"));
         }
@@ -149,6 +150,22 @@ impl Source {
                 Ok(on_unit.stretched(&self.domain))
             }
         }
+    }
+}
+
+/// Files hold their own points; what shapes a sampler's would be silently ignored.
+fn only_for_samplers(request: &PointsRequest) -> Result<()> {
+    let text = |value: Option<String>| value.filter(|v| !v.is_empty());
+    let given = [
+        ("-n", text(request.points.map(|n| n.to_string()))),
+        ("-k", text(request.realizations.map(|k| k.to_string()))),
+        ("--dim", text(request.dim.map(|d| d.to_string()))),
+        ("--seed", text(request.seed.map(|s| s.to_string()))),
+        ("--param", text(Some(request.params.join(" ")))),
+    ];
+    match given.into_iter().find_map(|(flag, value)| Some((flag, value?))) {
+        Some((flag, value)) => Err(Error::setting(flag, value, "applies to --sampler NAME only, not to point files")),
+        None => Ok(()),
     }
 }
 

@@ -298,6 +298,8 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--max-frequency 2000,2000,2000: 64048012001 wave vectors need 477 GiB per grid; at most 2^31 are supported",
         ),
+        ("analyze ok.csv -n 5", 2, "-n 5: applies to --sampler NAME only, not to point files"),
+        ("analyze ok.csv --param mu=3", 2, "--param mu=3: applies to --sampler NAME only, not to point files"),
         ("analyze ok.csv --device 99", 1, "--device 99:"),
         ("analyze ok.csv --threads 100000", 2, "--threads 100000:"),
         ("analyze ok.csv --threads 0", 2, "--threads 0:"),
@@ -336,7 +338,6 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         ("analyze ok.csv --out o --r-max 0.1 --edges edges.txt", "--edges"),
         ("analyze ok.csv --out o --bins many", "--bins"),
         ("analyze --sampler random --out o", "--points"),
-        ("analyze ok.csv --out o -n 5", "--sampler"),
         ("sample random -n 5", "--out"),
         ("paint", "paint"),
     ] {
