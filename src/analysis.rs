@@ -306,6 +306,11 @@ pub fn run(
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
     }
+    if plan.waves.is_some() && !source.domain().is_torus() {
+        let warning = "P in a window is the plain periodogram at the window's own frequencies m / L: without a taper, \
+                       what the window cuts off leaks into the lowest frequencies";
+        warnings.push(warning.to_string());
+    }
     let estimates = Instant::now();
     let both = |plan: &Option<PairPlan>, sums: &Option<PairCounts>| {
         Some(PairCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
