@@ -150,11 +150,12 @@ macro_rules! by_shape {
     };
 }
 
-/// Bins by a function of r2, row by row, into `sink(i, first j, bins)`. Undecided pairs get `no_bin`.
+/// Bins by a function of r2 that answers with the bin and whether it is undecided, row by row, into
+/// `sink(i, first j, bins)`. Undecided pairs get `no_bin`.
 pub(super) fn by_r2(
     level: SimdLevel,
     job: &Rows<'_>,
-    bin: impl Fn(f32) -> Result<u32, u32>,
+    bin: impl Fn(f32) -> (u32, bool),
     no_bin: u32,
     sink: impl FnMut(usize, usize, &[u32]),
     undecided: &mut Vec<Undecided>,
@@ -171,7 +172,7 @@ pub(super) fn by_r2(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn by_r2_avx2<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])>(
+fn by_r2_avx2<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])>(
     job: &Rows<'_>,
     rule: (B, u32, S),
     undecided: &mut Vec<Undecided>,
@@ -180,7 +181,7 @@ fn by_r2_avx2<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])>(
 }
 
 #[inline(always)]
-fn by_r2_any<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])>(
+fn by_r2_any<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])>(
     job: &Rows<'_>,
     rule: (B, u32, S),
     undecided: &mut Vec<Undecided>,
@@ -189,14 +190,14 @@ fn by_r2_any<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])>(
 }
 
 trait R2Rule {
-    fn bin(&self, r2: f32) -> Result<u32, u32>;
+    fn bin(&self, r2: f32) -> (u32, bool);
     fn no_bin(&self) -> u32;
     fn sink(&mut self, i: usize, first: usize, bins: &[u32]);
 }
 
-impl<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])> R2Rule for (B, u32, S) {
+impl<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])> R2Rule for (B, u32, S) {
     #[inline(always)]
-    fn bin(&self, r2: f32) -> Result<u32, u32> {
+    fn bin(&self, r2: f32) -> (u32, bool) {
         (self.0)(r2)
     }
     #[inline(always)]
@@ -217,6 +218,7 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
 ) {
     let mut r2 = [0f32; COLUMNS];
     let mut slots = [0u32; COLUMNS];
+    let mut flagged = [0u32; COLUMNS + 1];
     for i in job.rows.clone() {
         let first = job.columns.start.max(i + 1);
         let len = job.columns.end.saturating_sub(first);
@@ -225,14 +227,19 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
         for (o, r2) in r2[..len].iter_mut().enumerate() {
             *r2 = squared::<D, UNEQUAL>(own, std::array::from_fn(|k| others[k][o]), job.periods);
         }
+        // Listed without a branch, since a table's answers are as good as random.
+        let mut flags = 0;
         for (o, (slot, &r2)) in slots[..len].iter_mut().zip(&r2).enumerate() {
-            *slot = match rule.bin(r2) {
-                Ok(bin) => bin,
-                Err(guess) => {
-                    undecided.push(Undecided { i: i as u32, j: (first + o) as u32, guess });
-                    rule.no_bin()
-                }
-            };
+            let (bin, unsure) = rule.bin(r2);
+            *slot = bin;
+            flagged[flags] = o as u32;
+            flags += usize::from(unsure);
+        }
+        for &o in &flagged[..flags] {
+            let slot = &mut slots[o as usize];
+            let guess = slot.wrapping_add(1);
+            undecided.push(Undecided { i: i as u32, j: first as u32 + o, guess });
+            *slot = rule.no_bin();
         }
         rule.sink(i, first, &slots[..len]);
     }
@@ -595,6 +602,13 @@ macro_rules! product_kernel {
             let mut sums = [[$zero(); NV]; PRODUCT_ROWS];
             // SAFETY: see the caller.
             unsafe {
+                // The sums come from a far cache; they are needed when the panel is done.
+                for k in 0..PRODUCT_ROWS {
+                    for v in 0..NV {
+                        let to = p.master.as_ptr().add((row + k) * p.columns + column + v * $lanes);
+                        _mm_prefetch::<_MM_HINT_T0>(to.cast());
+                    }
+                }
                 let mut left = p.left.as_ptr().add(row);
                 let mut right = p.right.as_ptr().add(column);
                 for _ in 0..p.points {
