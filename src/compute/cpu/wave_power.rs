@@ -29,9 +29,9 @@ const PANEL: usize = 128;
 /// Panels between two looks at the control.
 const PANELS_PER_CHECK: usize = 64;
 
-/// Longest side of a tile, in frequencies: two tables of a panel fit the second-level cache. A little above 256, so that
-/// grids of that size stay whole.
-const LARGEST_TILE: usize = 264;
+/// Longest side of a tile, in bytes of one table's cosines at one point: two tables of a panel fit the second-level
+/// cache. In f32 a little above 256 frequencies, so that grids of that size stay whole.
+const LARGEST_TILE: usize = 264 * size_of::<f32>();
 
 /// Tiles are not cut smaller than this for the sake of threads: below, trigonometry dominates.
 const SMALLEST_TILE: usize = 32;
@@ -61,7 +61,7 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
         .map(|start| start..(((leaf_of(start) + 1) * LEAF - first) as usize).min(realizations))
         .collect();
     if leaves.len() >= 2 * threads && 4 * spectrum_bytes * threads as u64 <= MEMORY_BUDGET {
-        let tiles = factors.tiles(1);
+        let tiles = factors.tiles::<T>(1);
         let sums = Mutex::new(new_sums());
         let results = cpu.pool.broadcast(|_| {
             let mut scratch = Scratch::<T>::default();
@@ -90,7 +90,7 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
     let at_once = (MEMORY_BUDGET / spectrum_bytes.max(1)).clamp(1, threads as u64) as usize;
     for start in (0..realizations).step_by(at_once) {
         let wave = start..(start + at_once).min(realizations);
-        let tiles = factors.tiles(if wave.len() >= threads { 1 } else { (2 * threads).div_ceil(wave.len()) });
+        let tiles = factors.tiles::<T>(if wave.len() >= threads { 1 } else { (2 * threads).div_ceil(wave.len()) });
         let powers: Vec<_> = wave.clone().map(|_| Mutex::new(vec![0.0; modes])).collect();
         next.store(0, Ordering::Relaxed);
         let results = cpu.pool.broadcast(|_| {
@@ -165,9 +165,10 @@ impl Factors {
     }
 
     /// Cuts rows and columns into at least `wanted` tiles where that is sensible, none too large for the caches.
-    fn tiles(&self, wanted: usize) -> Vec<Tile> {
+    fn tiles<T: Real>(&self, wanted: usize) -> Vec<Tile> {
         let (rows, columns) = (self.rows.len(), self.columns.len());
-        let (mut row_parts, mut column_parts) = (rows.div_ceil(LARGEST_TILE), columns.div_ceil(LARGEST_TILE));
+        let largest = LARGEST_TILE / size_of::<T>();
+        let (mut row_parts, mut column_parts) = (rows.div_ceil(largest), columns.div_ceil(largest));
         while row_parts * column_parts < wanted {
             let (height, width) = (rows / row_parts, columns / column_parts);
             if height.max(width) < 2 * SMALLEST_TILE {
