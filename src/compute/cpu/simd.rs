@@ -577,26 +577,27 @@ impl<T> Product<'_, T> {
     }
 }
 
-/// Makes the register-blocked kernels of one instruction set and precision: `$nv` vectors of `$lanes` columns by
-/// `PRODUCT_ROWS` rows are held in registers over the whole panel.
+/// Makes the register-blocked kernels of one instruction set and precision: one or two vectors of
+/// `$lanes` columns by `PRODUCT_ROWS` rows are held in registers over the whole panel.
 #[cfg(target_arch = "x86_64")]
 macro_rules! product_kernel {
-    ($name:ident, $block:ident, $t:ty, $lanes:literal, $wide:literal, $zero:ident, $load:ident, $set:ident, $fma:ident, $flush:expr) => {
-        #[target_feature(enable = "avx2,fma")]
-        fn $name(p: &mut Product<'_, $t>) {
+    ($features:literal, $name:ident, $block:ident, $t:ty, $lanes:literal, $zero:ident, $load:ident, $set:ident, $fma:ident, $flush:expr) => {
+        /// Takes the columns from `column` on as far as blocks fit; returns the first column left.
+        #[target_feature(enable = $features)]
+        fn $name(p: &mut Product<'_, $t>, mut column: usize) -> usize {
             p.check();
-            let mut column = 0;
-            while column < p.columns {
-                let wide = column + $wide * $lanes <= p.columns;
+            while column + $lanes <= p.columns {
+                let wide = column + 2 * $lanes <= p.columns;
                 for row in (0..p.rows).step_by(PRODUCT_ROWS) {
                     // SAFETY: `check` has compared the lengths; a block ends within rows and columns.
-                    unsafe { if wide { $block::<$wide>(p, row, column) } else { $block::<1>(p, row, column) } }
+                    unsafe { if wide { $block::<2>(p, row, column) } else { $block::<1>(p, row, column) } }
                 }
-                column += if wide { $wide * $lanes } else { $lanes };
+                column += if wide { 2 * $lanes } else { $lanes };
             }
+            column
         }
 
-        #[target_feature(enable = "avx2,fma")]
+        #[target_feature(enable = $features)]
         #[inline]
         unsafe fn $block<const NV: usize>(p: &mut Product<'_, $t>, row: usize, column: usize) {
             let mut sums = [[$zero(); NV]; PRODUCT_ROWS];
@@ -634,11 +635,11 @@ macro_rules! product_kernel {
 
 #[cfg(target_arch = "x86_64")]
 product_kernel!(
+    "avx2,fma",
     product_f32_avx2,
     block_f32_avx2,
     f32,
     8,
-    2,
     _mm256_setzero_ps,
     _mm256_loadu_ps,
     _mm256_set1_ps,
@@ -652,11 +653,11 @@ product_kernel!(
 
 #[cfg(target_arch = "x86_64")]
 product_kernel!(
+    "avx2,fma",
     product_f64_avx2,
     block_f64_avx2,
     f64,
     4,
-    2,
     _mm256_setzero_pd,
     _mm256_loadu_pd,
     _mm256_set1_pd,
@@ -664,12 +665,49 @@ product_kernel!(
     |sum: __m256d, to: *mut f64| _mm256_storeu_pd(to, _mm256_add_pd(_mm256_loadu_pd(to), sum))
 );
 
+#[cfg(target_arch = "x86_64")]
+product_kernel!(
+    "avx512f,avx512dq,avx2,fma",
+    product_f32_avx512,
+    block_f32_avx512,
+    f32,
+    16,
+    _mm512_setzero_ps,
+    _mm512_loadu_ps,
+    _mm512_set1_ps,
+    _mm512_fmadd_ps,
+    |sum: __m512, to: *mut f64| {
+        let (low, high) = (_mm512_castps512_ps256(sum), _mm512_extractf32x8_ps::<1>(sum));
+        _mm512_storeu_pd(to, _mm512_add_pd(_mm512_loadu_pd(to), _mm512_cvtps_pd(low)));
+        _mm512_storeu_pd(to.add(8), _mm512_add_pd(_mm512_loadu_pd(to.add(8)), _mm512_cvtps_pd(high)));
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+product_kernel!(
+    "avx512f,avx512dq,avx2,fma",
+    product_f64_avx512,
+    block_f64_avx512,
+    f64,
+    8,
+    _mm512_setzero_pd,
+    _mm512_loadu_pd,
+    _mm512_set1_pd,
+    _mm512_fmadd_pd,
+    |sum: __m512d, to: *mut f64| _mm512_storeu_pd(to, _mm512_add_pd(_mm512_loadu_pd(to), sum))
+);
+
 /// The product in f32, flushed into f64.
 pub(super) fn product_f32(level: SimdLevel, product: &mut Product<'_, f32>) {
     #[cfg(target_arch = "x86_64")]
     if level >= SimdLevel::Avx2 {
+        // Each sum is the same chain of fused operations at either width.
         // SAFETY: the level was detected.
-        return unsafe { product_f32_avx2(product) };
+        unsafe {
+            let column = if level == SimdLevel::Avx512 { product_f32_avx512(product, 0) } else { 0 };
+            product_f32_avx2(product, column);
+        }
+        return;
     }
     let _ = level;
     product_portable(product);
@@ -679,8 +717,13 @@ pub(super) fn product_f32(level: SimdLevel, product: &mut Product<'_, f32>) {
 pub(super) fn product_f64(level: SimdLevel, product: &mut Product<'_, f64>) {
     #[cfg(target_arch = "x86_64")]
     if level >= SimdLevel::Avx2 {
+        // Each sum is the same chain of fused operations at either width.
         // SAFETY: the level was detected.
-        return unsafe { product_f64_avx2(product) };
+        unsafe {
+            let column = if level == SimdLevel::Avx512 { product_f64_avx512(product, 0) } else { 0 };
+            product_f64_avx2(product, column);
+        }
+        return;
     }
     let _ = level;
     product_portable(product);

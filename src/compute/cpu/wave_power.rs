@@ -60,7 +60,8 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
         .filter(|&k| k == 0 || leaf_of(k) != leaf_of(k - 1))
         .map(|start| start..(((leaf_of(start) + 1) * LEAF - first) as usize).min(realizations))
         .collect();
-    if leaves.len() >= 2 * threads && 4 * spectrum_bytes * threads as u64 <= MEMORY_BUDGET {
+    let enough = threads == 1 || leaves.len() >= 2 * threads;
+    if enough && 4 * spectrum_bytes * threads as u64 <= MEMORY_BUDGET {
         let tiles = factors.tiles::<T>(1);
         let sums = Mutex::new(new_sums());
         let results = cpu.pool.broadcast(|_| {
