@@ -243,10 +243,10 @@ impl Tally {
             match filter {
                 Filter::Linear(linear) => simd::linear(level, &job, &linear.one_copy(), sink, undecided),
                 Filter::Table(table) => {
-                    simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided)
+                    simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided)
                 }
                 Filter::Near(beyond) => {
-                    simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
+                    simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided)
                 }
             }
             for pair in undecided.drain(..) {
@@ -261,11 +261,11 @@ impl Tally {
             Filter::Linear(linear) => simd::linear_histogram(level, &job, linear, short, undecided),
             Filter::Table(table) => {
                 let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided);
+                simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided);
             }
             Filter::Near(beyond) => {
                 let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided);
+                simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided);
             }
         }
         for pair in undecided.drain(..) {
