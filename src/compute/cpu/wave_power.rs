@@ -7,7 +7,7 @@
 //! - In 2D and 3D the rows are `(m_0, 0, 0)` and the columns `(0, m_1, m_2)`, one of each pair of opposite signs.
 //! - In 1D the rows are `0 ..= h` and the columns the multiples of `2 h + 1`, with `h` near `sqrt(F / 2)`.
 //!
-//! Points go in panels of 128: a panel is summed in registers, in f32 (`fast`) or f64 (`high`), and added to f64 sums.
+//! Points go in panels of up to 128, far apart in the input: a panel is summed in registers, in f32 (`fast`) or f64 (`high`), and added to f64 sums.
 //! So each sum is made by the same additions in the same order, however the grid is cut into tiles for threads.
 
 use std::ops::Range;
@@ -227,15 +227,23 @@ impl<T: Real> Scratch<T> {
         self.sums.clear();
         self.sums.resize(rows * self.columns, 0.0);
         let n = axes[0].len();
-        for (panel_index, start) in (0..n).step_by(PANEL).enumerate() {
-            if panel_index % PANELS_PER_CHECK == 0 {
+        let panels = n.div_ceil(PANEL);
+        for start in 0..panels {
+            if start % PANELS_PER_CHECK == 0 {
                 control.check()?;
             }
-            let end = (start + PANEL).min(n);
-            let mut cut: [&[u64]; 3] = [&[]; 3];
-            for (cut, axis) in cut.iter_mut().zip(axes) {
-                *cut = &axis[start..end];
+            // Points far apart in the input: many sets come in an order along which phases vary slowly, and neighbours
+            // would add up to large partial sums, with large rounding errors, before they cancel.
+            let mut gathered = [[0u64; PANEL]; 3];
+            let mut points = 0;
+            for (to, axis) in gathered.iter_mut().zip(axes) {
+                points = 0;
+                for (to, &x) in to.iter_mut().zip(axis[start..].iter().step_by(panels)) {
+                    *to = x;
+                    points += 1;
+                }
             }
+            let cut = gathered.each_ref().map(|axis| &axis[..points]);
             let panel = Panel { axes: &cut };
             T::fill(level, &tile.left, &panel, left, left_stride);
             T::fill(level, &tile.right, &panel, right, right_stride);
@@ -247,7 +255,7 @@ impl<T: Real> Scratch<T> {
                 master: &mut self.sums,
                 rows,
                 columns: self.columns,
-                points: end - start,
+                points,
             };
             T::product(level, &mut product);
         }
