@@ -18,6 +18,8 @@ pub mod estimate;
 pub mod plan;
 pub mod points;
 pub mod report;
+pub mod request;
 pub mod samplers;
+pub mod source;
 
 pub use error::{Error, Result};

@@ -1,1 +1,28 @@
-fn main() {}
+//! pairwave measures how the samples of a pattern are correlated. `pairwave --help` says how to ask.
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod command;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use command::Command;
+
+/// How the samples of a pattern are correlated: g(r) and P(nu) with error bars, exact pair counts, on any GPU or none.
+#[derive(Parser)]
+#[command(version, max_term_width = 120)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+fn main() -> ExitCode {
+    // clap prints usage errors itself, with exit code 2.
+    match Arguments::parse().command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

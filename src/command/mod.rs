@@ -1,1 +1,42 @@
-//! command
+//! The subcommands: each parses, calls the library, and prints. No arithmetic here.
+
+mod analyze;
+mod devices;
+mod progress;
+mod sample;
+mod samplers;
+
+use pairwave::Result;
+
+/// What to do.
+#[derive(clap::Subcommand)]
+pub(crate) enum Command {
+    /// Measure g(r), P(nu) and neighbour distances of point files or a sampler
+    Analyze(Box<analyze::Analyze>),
+    /// Write realizations of a sampler to a file
+    Sample(sample::Sample),
+    /// List the samplers with their parameters
+    Samplers,
+    /// List the compute devices and what the self-check finds
+    Devices,
+}
+
+impl Command {
+    pub(crate) fn run(self) -> Result<()> {
+        match self {
+            Self::Analyze(analyze) => analyze.run(),
+            Self::Sample(sample) => sample.run(),
+            Self::Samplers => samplers::run(),
+            Self::Devices => devices::run(),
+        }
+    }
+}
+
+/// Prints to standard output; a reader that has gone away (`pairwave samplers | head`) is not an error.
+fn print(text: &str) -> Result<()> {
+    use std::io::Write;
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(pairwave::Error::file("stdout", error)),
+        _ => Ok(()),
+    }
+}

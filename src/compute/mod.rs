@@ -4,8 +4,11 @@
 //! - `gpu`: WGSL; the only folder that names wgpu.
 
 pub mod cpu;
+mod device_choice;
 pub mod gpu;
 pub mod reference;
+
+pub use device_choice::{DeviceChoice, Opened};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

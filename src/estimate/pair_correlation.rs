@@ -5,7 +5,7 @@ use crate::accumulate::{PairCounts, WEIGHT_STEPS};
 use crate::plan::PairPlan;
 
 /// What the number of pairs is compared with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Normalization {
     /// `n (n - 1)`: g = 1 for n independent uniform points.

@@ -3,11 +3,11 @@
 use super::Normalization;
 use crate::accumulate::{PairCounts, WEIGHT_STEPS};
 use crate::error::{Error, Result};
-use crate::plan::{MAX_BINS, PairPlan, RadialBins};
+use crate::plan::{PairPlan, RadialBins};
 use crate::points::Domain;
 
 /// The shape of a smoothing kernel. Bandwidth is its standard deviation (spatstat's convention).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SmoothingKernel {
     /// `3/4 (1 - (x/h)^2) / h`, half-width `h = sqrt(5) bandwidth`.
@@ -48,10 +48,16 @@ pub struct Kernel {
     pub bandwidth: f64,
 }
 
-/// Fine bins per bandwidth. A pair is spread evenly over its fine bin, so its distance is off by at most half of it
-/// (bandwidth / 2048) either way: g moves by less than 1e-3 of its own standard error, and by about 1e-5 of g where a
-/// kernel covers a thousand pairs (tested against the exact sum).
-const FINE: f64 = 1024.0;
+/// Fine bins per bandwidth, where `MAX_FINE_BINS` allows. A pair is spread evenly over its fine bin, so its distance is
+/// off by at most half of it (bandwidth / 8192) either way: g moves by at most about 1e-5 of max(1, g) even where a kernel
+/// covers only a hundred pairs (tested against the exact sum; the box kernel, which jumps, by one pair at each jump).
+const FINE: f64 = 4096.0;
+
+/// With fewer fine bins per bandwidth than this the estimate is refused.
+const COARSEST: f64 = 256.0;
+
+/// Fine bins in all: 40 MB of moments.
+const MAX_FINE_BINS: f64 = 524_288.0;
 
 impl Kernel {
     /// Checks the bandwidth. The default is Stoyan's rule, an Epanechnikov half-width of `0.15 / sqrt(lambda)` in 2D
@@ -71,12 +77,13 @@ impl Kernel {
     pub fn fine_bins(&self, r_max: f64, domain: &Domain) -> Result<RadialBins> {
         let limit = if domain.is_torus() { 0.5 } else { 1.0 - 1e-9 } * domain.shortest_side();
         let range = (r_max + self.shape.reach() * self.bandwidth).min(limit);
-        let bins = (range / self.bandwidth * FINE).ceil();
-        if bins > MAX_BINS as f64 {
-            let smallest = range * FINE / MAX_BINS as f64;
+        let per_bandwidth = FINE.min(MAX_FINE_BINS * self.bandwidth / range);
+        if per_bandwidth < COARSEST {
+            let smallest = range * COARSEST / MAX_FINE_BINS;
             let reason = format!("too small for r up to {range}: expected at least {smallest:e}, or a smaller --r-max");
             return Err(Error::setting("--bandwidth", self.bandwidth, reason));
         }
+        let bins = (range / self.bandwidth * per_bandwidth).ceil();
         RadialBins::linear(range, bins as usize)
     }
 }

@@ -23,7 +23,7 @@ pub struct Ring {
     /// Standard error of `p`: across realizations, or for K = 1 `p / sqrt(independent_modes)`.
     pub p_se: f64,
     /// `10 log10(s^2 / p^2)` in dB, `s^2` the variance (ddof 1) of the K-averaged P over the ring's independent modes.
-    /// `None` where undefined: a single independent mode, or no spread at all.
+    /// `None` where undefined: a single independent mode, no spread at all, or P below what the accuracy resolves.
     pub anisotropy_db: Option<f64>,
     /// Standard error of the anisotropy for an isotropic spectrum, in dB.
     pub anisotropy_db_se: Option<f64>,
@@ -54,7 +54,8 @@ impl RadialSpectrum {
             .map(|k| {
                 let independent = plan.rings.modes[k] / 2;
                 let variance = spread[k] / (independent as f64 - 1.0);
-                let defined = independent >= 2 && variance > (f64::EPSILON * p[k]).powi(2) && p[k] > 0.0;
+                let resolved = p[k] > plan.accuracy.power_bound().lattice_zero;
+                let defined = independent >= 2 && resolved && variance > (f64::EPSILON * p[k]).powi(2);
                 // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
                 // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).
                 let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations * independent as f64);
@@ -74,7 +75,8 @@ impl RadialSpectrum {
             .collect();
         Self {
             rings,
-            anisotropy_reference_db: -10.0 * realizations.log10(),
+            // 0 - 0 is 0, where -0 would be printed as such.
+            anisotropy_reference_db: 0.0 - 10.0 * realizations.log10(),
             errors: ErrorSource::of(power.realizations),
         }
     }

@@ -1,7 +1,7 @@
 //! The one dial for accuracy: a promise in words and numbers, read by the plan, the tests and the README's table.
 
 /// How accurate the power spectrum is asked to be. Pair counts are exact at either setting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Accuracy {
     /// f32 tables of exact phases, short f32 panels flushed into wider sums.

@@ -7,9 +7,8 @@
 //! slot `e` (below edge `e`), slot `e + 1` (at or above it), or *undecided*, to be settled by
 //! `R2 >= thresholds[e]` in integers.
 //!
-//! How wrong can `r2` be? Rounding both coordinates to 32 bits moves each difference by at most one step, and rounding
-//! the period of a shorter side of a torus by half a step more, so `r` by at most `1.5 sqrt(dim)` steps: the absolute
-//! guard. Converting, squaring and adding in f32 costs at most 5 roundings of
+//! How wrong can `r2` be? Rounding both coordinates to 32 bits moves each difference by at most one step, rounding the
+//! period of a shorter side by half a step more, so `r` by at most `1.5 sqrt(dim)` steps: the absolute guard. Converting, squaring and adding in f32 costs at most 5 roundings of
 //! 2^-24 relative in `r2`: the relative guard, doubled for devices whose sqrt is off by several ulp.
 
 use super::{BinScale, RadialBins};
@@ -18,8 +17,9 @@ use crate::points::Domain;
 /// How a kernel finds the slot of a pair.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BinFilter {
-    /// Equal bins from 0: `t = sqrt(r2) * bins_per_step`, `e = round(t)`; undecided iff
-    /// `e >= 1 && |t - e| <= relative_guard * t + absolute_guard`, else slot `floor(t) + 1`.
+    /// Equal bins from 0, wide against the guards: `t = sqrt(r2) * bins_per_step`, `e = round(t)`; beyond the last bin iff
+    /// `t >= bins + 1/2`; undecided iff `e >= 1 && |t - e| <= relative_guard * t + absolute_guard`, else slot
+    /// `floor(t) + 1`.
     Linear {
         /// Bins per step of `length_unit / 2^32`.
         bins_per_step: f32,
@@ -61,10 +61,12 @@ impl BinFilter {
     /// The filter for these bins in this domain.
     pub fn new(bins: &RadialBins, domain: &Domain) -> Self {
         let steps_per_length = 2f64.powi(32) / domain.length_unit();
-        let per_axis = if domain.is_cubic() { 1.0 } else { 1.5 };
-        let displaced = per_axis * (domain.dim() as f64).sqrt() * 1.01;
-        if bins.scale() == BinScale::Linear {
-            let bins_per_step = bins.len() as f64 / (bins.r_max() * steps_per_length);
+        let per_axis = if domain.periods().iter().all(|&p| p == 0) { 1.01 } else { 1.51 };
+        let displaced = (domain.dim() as f64).sqrt() * per_axis;
+        let bins_per_step = bins.len() as f64 / (bins.r_max() * steps_per_length);
+        let widest_guard = f64::from(RELATIVE_GUARD) * bins.len() as f64 + bins_per_step * displaced;
+        // Beyond half a bin the nearest edge is not the only one in doubt; the table knows what to do then.
+        if bins.scale() == BinScale::Linear && widest_guard < 0.45 {
             return Self::Linear {
                 bins_per_step: bins_per_step as f32,
                 relative_guard: RELATIVE_GUARD,
@@ -114,7 +116,8 @@ impl BinFilter {
         match self {
             Self::Linear { bins_per_step, relative_guard, absolute_guard } => {
                 let t = r2.sqrt() * bins_per_step;
-                if t >= bins as f32 + 1.0 {
+                // There is no edge beyond the last to be settled at, and half a bin is more than the guard.
+                if t >= bins as f32 + 0.5 {
                     return Ok(bins + 1);
                 }
                 let e = t.round_ties_even();
@@ -153,6 +156,8 @@ mod tests {
         let cases = [
             RadialBins::linear(0.5, 256).unwrap(),
             RadialBins::linear(1e-6, 3).unwrap(),
+            RadialBins::linear(1e-9, 256).unwrap(),
+            RadialBins::linear(0.5, 500_000).unwrap(),
             RadialBins::logarithmic(1e-3, 0.49, 24).unwrap(),
             RadialBins::logarithmic(1e-9, 0.5, 1000).unwrap(),
             RadialBins::from_edges(vec![0.0, 0.1, 0.100_000_1, 0.3]).unwrap(),
@@ -169,7 +174,7 @@ mod tests {
             });
             for r in probes.chain([0.0, 1.0, 2.0, 1e3, 2f64.powi(32)]) {
                 let r2 = (r * r) as f32;
-                let true_slot = bins.edges().iter().filter(|&&e| e * steps <= r).count();
+                let true_slot = bins.edges().partition_point(|&e| e * steps <= r);
                 match filter.slot(r2, bins.len()) {
                     Ok(slot) => {
                         settled += 1;

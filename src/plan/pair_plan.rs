@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::points::Domain;
 
 /// How pairs near the edge of a window are weighted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Correction {
     /// Every pair counts 1 (a torus needs no more).

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::points::Domain;
 
 /// How bin edges are spaced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum BinScale {
     /// Equal widths from 0.
@@ -12,6 +12,7 @@ pub enum BinScale {
     /// Equal ratios.
     Log,
     /// Edges given one by one.
+    #[value(skip)]
     Given,
 }
 

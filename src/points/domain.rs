@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// What happens at the sides of the box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Boundary {
     /// Opposite sides are glued; distances are minimum-image distances.

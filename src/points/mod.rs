@@ -1,6 +1,8 @@
 //! 1. Points in: realizations of a pattern, checked once, kept as fixed-point fractions of the box.
 
 mod domain;
+pub mod read;
+pub mod write;
 
 pub use domain::{Boundary, Domain};
 
@@ -33,7 +35,8 @@ impl RawPoints {
     /// Where point `j` stands, for error messages: `trees.csv:17` or `batch.npy, realization 0, point 16`.
     pub fn place(&self, j: usize) -> String {
         match self.lines.get(j) {
-            Some(line) => format!("{}:{line}", self.source),
+            // The line says it all.
+            Some(line) => format!("{}:{line}", self.source.split(", realization ").next().unwrap_or(&self.source)),
             None => format!("{}, point {j}", self.source),
         }
     }
@@ -168,6 +171,19 @@ impl Ensemble {
         }
     }
 
+    /// The same fractions in another torus of the same dimension.
+    pub fn stretched(&self, domain: &Domain) -> Self {
+        if *domain == self.domain {
+            return self.clone();
+        }
+        let periods = domain.periods();
+        let lengths = (!domain.is_cubic()).then(|| {
+            let axes = self.fractions.iter().zip(periods);
+            axes.map(|(axis, period)| axis.iter().map(|&f| scale_to_period(f, period)).collect()).collect()
+        });
+        Self { domain: domain.clone(), lengths, ..self.clone() }
+    }
+
     /// Number of points that coincide with an earlier point of the same realization.
     pub fn duplicates(&self) -> u64 {
         let mut duplicates = 0;
@@ -182,20 +198,19 @@ impl Ensemble {
     }
 }
 
-/// `x` as a fraction of its side: in [0, 1) on a torus, in [0, 1] in a window, `None` outside.
+/// `x` as a fraction of its side: in [0, 1) on a torus (1 where folding rounds up to it, which is 0 again), in [0, 1] in a
+/// window, `None` outside.
 fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
-    let f = (x - domain.origin()[axis]) / domain.sides()[axis];
-    if !f.is_finite() {
+    let side = domain.sides()[axis];
+    let offset = x - domain.origin()[axis];
+    if !offset.is_finite() {
         return None;
     }
-    if domain.is_torus() {
-        match (wrap, (0.0..1.0).contains(&f)) {
-            (_, true) => Some(f),
-            (true, false) => Some(f - f.floor()),
-            (false, false) => None,
-        }
-    } else {
-        (0.0..=1.0).contains(&f).then_some(f)
+    match (domain.is_torus(), wrap) {
+        // The remainder is exact; dividing first would lose the digits that the whole turns take up.
+        (true, true) => Some(offset.rem_euclid(side) / side),
+        (true, false) => (0.0..side).contains(&offset).then_some(offset / side),
+        (false, _) => (0.0..=side).contains(&offset).then_some(offset / side),
     }
 }
 

@@ -1,1 +1,284 @@
-//! report
+//! 6. An analysis -> tables, files, pictures and one page. `Analysis` is the only input.
+//!
+//! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
+//! `report.html` only.
+
+mod figure;
+mod headline;
+mod html;
+mod npy;
+mod plots;
+mod points_picture;
+mod spectrum_image;
+mod summary;
+mod table;
+mod text;
+
+pub use headline::headline;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::analysis::Analysis;
+use crate::error::{Error, Result};
+
+/// Marks a result; last to arrive and first to go, so that where it is, all of its result is.
+const SUMMARY: &str = "summary.json";
+
+/// Every name this module may write. With `force`, only these are ever replaced or removed.
+const FILES: [&str; 11] = [
+    "pcf.csv",
+    "spectrum_radial.csv",
+    "spectrum.npy",
+    "spectrum_se.npy",
+    "pcf.svg",
+    "spectrum_radial.svg",
+    "anisotropy.svg",
+    "spectrum.png",
+    "points.svg",
+    "report.html",
+    SUMMARY,
+];
+
+/// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind.
+pub fn check_out(dir: &Path, force: bool) -> Result<()> {
+    let setting = |reason: String| Err(Error::setting("--out", dir.display(), reason));
+    if dir.as_os_str().is_empty() {
+        return setting("expected a directory".into());
+    }
+    match fs::metadata(dir) {
+        Ok(found) if !found.is_dir() => {
+            return setting("is a file; expected a directory, or a path to create one".into());
+        }
+        Ok(_) => {
+            if let Some(name) = FILES.iter().find(|f| dir.join(f).is_dir()) {
+                return setting(format!("holds a directory {name}, where a file would go; expected another directory"));
+            }
+            let ours = |name: &str| !force && dir.join(name).symlink_metadata().is_ok();
+            if ours(SUMMARY) {
+                return setting("holds a result already; --force replaces it".into());
+            }
+            // Not a result, perhaps somebody's own file of that name: no reason to lose it.
+            if let Some(name) = FILES.iter().find(|f| ours(f)) {
+                return setting(format!("holds a file {name} already; --force replaces it"));
+            }
+        }
+        Err(e) if e.kind() == io::ErrorKind::NotFound => {
+            if dir.symlink_metadata().is_ok() {
+                return setting("is a link to nothing; expected a directory, or a path to create one".into());
+            }
+        }
+        Err(e) => return setting(format!("cannot be used: {e}")),
+    }
+    // The one honest test of permission is to create something where the result will be created.
+    let ground = existing_part(dir);
+    match tempfile::Builder::new().prefix(".pairwave-").tempdir_in(&ground) {
+        Ok(_) => Ok(()),
+        Err(e) => {
+            // The error itself names the temporary directory, which would only puzzle.
+            setting(format!("cannot create files in {}: {}", ground.display(), io::Error::from(e.kind())))
+        }
+    }
+}
+
+/// Writes everything `analysis` holds into `dir` and returns the paths, `summary.json` last. `dir` is created; a result
+/// already there is refused without `force` and replaced with it, files of other names staying as they are. The files
+/// appear whole or not at all.
+pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf>> {
+    check_out(dir, force)?;
+    let at = |path: &Path| {
+        let path = path.to_path_buf();
+        move |e| Error::file(path, e)
+    };
+    // Same file system, so that moving is renaming: beside a new DIR, inside an existing one (which may be a mount
+    // point, or the only place where writing is allowed).
+    let exists = dir.is_dir();
+    let parent = dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let ground = if exists { dir } else { parent };
+    let created = NewDirectories::create(ground).map_err(at(ground))?;
+    let stage = tempfile::Builder::new().prefix(".pairwave-").tempdir_in(ground).map_err(at(dir))?;
+    // A directory of its own inside: temporary directories are private, results get the usual permissions.
+    let new = stage.path().join("new");
+    fs::create_dir(&new).map_err(at(dir))?;
+
+    let mut names = Vec::new();
+    for (name, result) in render(analysis, &new) {
+        result.map_err(at(&dir.join(name)))?;
+        names.push(name);
+    }
+    if exists {
+        let old = stage.path().join("old");
+        fs::create_dir(&old).map_err(at(dir))?;
+        replace(dir, &new, &old, &names)?;
+    } else {
+        fs::rename(&new, dir).map_err(at(dir))?;
+    }
+    created.keep();
+    Ok(names.into_iter().map(|name| dir.join(name)).collect())
+}
+
+/// Swaps our files in `dir` for the new ones; on failure everything is put back.
+fn replace(dir: &Path, new: &Path, old: &Path, names: &[&'static str]) -> Result<()> {
+    let mut moved: Vec<(PathBuf, PathBuf)> = Vec::new();
+    let away = FILES.iter().rev().filter(|f| dir.join(f).symlink_metadata().is_ok());
+    let moves = away.map(|f| (dir.join(f), old.join(f))).chain(names.iter().map(|f| (new.join(f), dir.join(f))));
+    // Collected first: what is there must be asked before anything moves.
+    for (from, to) in moves.collect::<Vec<_>>() {
+        if let Err(e) = fs::rename(&from, &to) {
+            for (from, to) in moved.iter().rev() {
+                // Nothing better can be done about a second failure than to go on with the rest.
+                let _ = fs::rename(to, from);
+            }
+            return Err(Error::file(if from.starts_with(new) { to } else { from }, e));
+        }
+        moved.push((from, to));
+    }
+    Ok(())
+}
+
+/// Directories made on the way to DIR, removed again unless kept.
+struct NewDirectories(Vec<PathBuf>);
+
+impl NewDirectories {
+    fn create(path: &Path) -> io::Result<Self> {
+        let mut missing: Vec<PathBuf> = Vec::new();
+        for p in path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()) {
+            missing.push(p.into());
+        }
+        let guard = Self(missing);
+        fs::create_dir_all(path)?;
+        Ok(guard)
+    }
+
+    fn keep(mut self) {
+        self.0.clear();
+    }
+}
+
+impl Drop for NewDirectories {
+    fn drop(&mut self) {
+        for path in &self.0 {
+            // Only if empty, and only to tidy up: another's files in it are a reason to let it stand.
+            let _ = fs::remove_dir(path);
+        }
+    }
+}
+
+/// The nearest ancestor of `dir` (or itself) that exists.
+fn existing_part(dir: &Path) -> PathBuf {
+    let found = dir.ancestors().find(|p| !p.as_os_str().is_empty() && p.exists());
+    found.unwrap_or(Path::new(".")).into()
+}
+
+/// Writes every file into `dir`, in the order of `FILES`; stops at the first that fails.
+fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)> {
+    let mut files = Written { dir, done: Vec::new() };
+    files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
+    files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
+    if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
+        files.grid("spectrum.npy", spectrum, &spectrum.p);
+        // With one realization the error of a mode is the mode itself; a file would only repeat it.
+        if analysis.shape.realizations >= 2 {
+            files.grid("spectrum_se.npy", spectrum, &spectrum.p_se);
+        }
+    }
+    let mut pictures = html::Pictures {
+        pcf: files.picture("pcf.svg", plots::pcf(analysis)),
+        spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
+        anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
+        ..Default::default()
+    };
+    if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
+        match spectrum_image::render(spectrum) {
+            Ok(Some(image)) => {
+                files.add("spectrum.png", Some(Ok(&image.png)));
+                pictures.spectrum = Some(image);
+            }
+            Ok(None) => {}
+            Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+        }
+    }
+    pictures.points = files.picture("points.svg", Some(points_picture::svg(analysis)));
+    files.add("report.html", Some(Ok(html::page(analysis, &pictures))));
+    let names = files.done.iter().map(|f| f.0).chain([SUMMARY]).collect();
+    files.add(SUMMARY, Some(summary::json(analysis, names).map_err(io::Error::other)));
+    files.done
+}
+
+/// Files written so far. After a failure nothing more is.
+struct Written<'a> {
+    dir: &'a Path,
+    done: Vec<(&'static str, io::Result<()>)>,
+}
+
+impl Written<'_> {
+    fn failed(&self) -> bool {
+        self.done.last().is_some_and(|f| f.1.is_err())
+    }
+
+    fn add(&mut self, name: &'static str, content: Option<io::Result<impl AsRef<[u8]>>>) {
+        let Some(content) = content else { return };
+        if !self.failed() {
+            let result = content.and_then(|bytes| fs::write(self.dir.join(name), bytes));
+            self.done.push((name, result));
+        }
+    }
+
+    fn picture<E: Into<Box<dyn std::error::Error + Send + Sync>>>(
+        &mut self,
+        name: &'static str,
+        svg: Option<Result<String, E>>,
+    ) -> Option<String> {
+        match svg? {
+            Ok(svg) => {
+                self.add(name, Some(Ok(&svg)));
+                Some(svg)
+            }
+            Err(e) => {
+                self.add(name, Some(Err::<&[u8], _>(io::Error::other(e))));
+                None
+            }
+        }
+    }
+
+    /// Grids may be GiB: straight to the file.
+    fn grid(&mut self, name: &'static str, spectrum: &crate::estimate::PowerSpectrum, half: &[f64]) {
+        if !self.failed() {
+            let result = fs::File::create(self.dir.join(name)).and_then(|file| {
+                let mut file = io::BufWriter::new(file);
+                npy::grid(spectrum, half, &mut file)?;
+                io::Write::flush(&mut file)
+            });
+            self.done.push((name, result));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A move that fails half way through is undone.
+    #[test]
+    fn a_failed_replacement_restores_the_old_result() {
+        let root = tempfile::tempdir().unwrap();
+        let [dir, new, old] = ["dir", "new", "old"].map(|name| root.path().join(name));
+        for path in [&dir, &new, &old] {
+            fs::create_dir(path).unwrap();
+        }
+        for (path, text) in [(dir.join("pcf.csv"), "old g"), (dir.join(SUMMARY), "old"), (new.join("pcf.csv"), "new g")]
+        {
+            fs::write(path, text).unwrap();
+        }
+        // The new summary was never written.
+        assert!(replace(&dir, &new, &old, &["pcf.csv", SUMMARY]).is_err());
+        assert_eq!(fs::read_to_string(dir.join("pcf.csv")).unwrap(), "old g");
+        assert_eq!(fs::read_to_string(dir.join(SUMMARY)).unwrap(), "old");
+
+        fs::write(new.join(SUMMARY), "new").unwrap();
+        replace(&dir, &new, &old, &["pcf.csv", SUMMARY]).unwrap();
+        assert_eq!(fs::read_to_string(dir.join("pcf.csv")).unwrap(), "new g");
+        assert_eq!(fs::read_to_string(dir.join(SUMMARY)).unwrap(), "new");
+    }
+}

@@ -1,1 +1,167 @@
-//! The GPU path.
+//! The GPU path, through wgpu: exact pair counts and `fast` power spectra. The only folder that names wgpu.
+//!
+//! Three layers from a call to the device: `GpuCompute::pair_counts` cuts the work into dispatches, `Kernel` binds and
+//! dispatches one, wgpu does it. Kernels are made once and reused; buffers live as long as one call.
+
+mod buffers;
+mod device;
+mod kernel;
+mod pair_counts;
+pub mod params;
+mod probe;
+mod wave_power;
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub use buffers::Fill;
+pub use device::{AdapterChoice, AdapterSummary, Gpu, adapters};
+pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
+pub use probe::{Check, Verdict};
+
+use super::{Backend, Compute, ComputedBy, Control};
+use crate::accumulate::{PairCounts, WavePower};
+use crate::error::Result;
+use crate::plan::{PairPlan, WaveGrid, WavePlan};
+use crate::points::Ensemble;
+
+/// Workgroups per dimension that every device takes.
+const MAX_GROUPS: u32 = 65_535;
+
+/// How work is cut for a device. None of it changes a result.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tuning {
+    /// Pairs looked at per submission: the driver's watchdog, and the user's patience, end long ones.
+    pub pairs_per_dispatch: u64,
+    /// Multiplications and additions per submission of `wave_power`.
+    pub fma_per_dispatch: u64,
+    /// Size of any one buffer, unless a single realization needs more.
+    pub buffer_bytes: u64,
+    /// What scratch memory holds at first.
+    pub fill: Fill,
+}
+
+impl Tuning {
+    /// About a second per submission at worst: on hardware from 2e9 pairs/s and 1e11 flop/s on, on software from 6e7 and 1e9.
+    fn new(software: bool) -> Self {
+        Self {
+            pairs_per_dispatch: if software { 1 << 26 } else { 1 << 31 },
+            fma_per_dispatch: if software { 1 << 29 } else { 1 << 36 },
+            buffer_bytes: 64 << 20,
+            fill: Fill::Zero,
+        }
+    }
+}
+
+/// The GPU implementation: an open device that passed the self-check, and the kernels made so far.
+#[derive(Debug)]
+pub struct GpuCompute {
+    gpu: Gpu,
+    kernels: Mutex<Vec<Arc<Kernel>>>,
+    tuning: Tuning,
+    verdict: Verdict,
+}
+
+/// Kernels kept. Callers come back with the same plan batch after batch; a viewer comes with many.
+const KERNELS_KEPT: usize = 32;
+
+impl GpuCompute {
+    /// Opens an adapter and runs the self-check on it. An adapter that fails is passed over; `Err(NoDevice)` says what
+    /// failed where none is left.
+    pub fn open(choice: AdapterChoice) -> Result<Self> {
+        let mut failures = Vec::new();
+        for (summary, adapter) in device::candidates(choice)? {
+            match Self::checked(summary.clone(), &adapter) {
+                Ok(compute) if compute.verdict.passed() => return Ok(compute),
+                Ok(compute) => {
+                    failures.push(format!("{summary} failed its self-check: {}", compute.verdict.failures()))
+                }
+                Err(e) => failures.push(e.to_string()),
+            }
+        }
+        Err(device::refused(choice, &failures))
+    }
+
+    fn checked(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
+        let tuning = Tuning::new(summary.software);
+        let gpu = Gpu::open(summary, adapter)?;
+        let mut compute = Self { gpu, kernels: Mutex::default(), tuning, verdict: Verdict::default() };
+        compute.verdict = probe::check(&compute);
+        Ok(compute)
+    }
+
+    /// The open device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// What the self-check found when the device was opened.
+    pub fn verdict(&self) -> &Verdict {
+        &self.verdict
+    }
+
+    /// For tests: other cuts of the same work.
+    #[doc(hidden)]
+    pub fn with_tuning(mut self, change: impl FnOnce(&mut Tuning)) -> Self {
+        change(&mut self.tuning);
+        self
+    }
+
+    /// The kernel, made if it was not yet.
+    fn kernel(&self, spec: KernelSpec) -> Result<Arc<Kernel>> {
+        // A kernel is added whole or not at all, so the list is good even if another thread panicked.
+        let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = kernels.iter().find(|k| *k.spec() == spec) {
+            return Ok(Arc::clone(kernel));
+        }
+        let kernel = Arc::new(Kernel::new(&self.gpu, spec)?);
+        if kernels.len() >= KERNELS_KEPT {
+            kernels.remove(0);
+        }
+        kernels.push(Arc::clone(&kernel));
+        Ok(kernel)
+    }
+}
+
+impl Gpu {
+    fn encoder(&self, label: &'static str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+}
+
+/// The kernel that counts the pairs of a plan, on a device with `workgroup_bytes` of workgroup memory.
+pub fn pair_kernel(plan: &PairPlan, workgroup_bytes: u32) -> KernelSpec {
+    pair_counts::spec(plan, workgroup_bytes)
+}
+
+/// The kernels that compute the power on a grid.
+pub fn wave_kernels(grid: &WaveGrid) -> [KernelSpec; 2] {
+    [wave_power::spec(grid), wave_power::fold_spec()]
+}
+
+/// The kernel of the self-check.
+pub fn probe_kernel() -> KernelSpec {
+    probe::spec()
+}
+
+impl Compute for GpuCompute {
+    fn computed_by(&self) -> ComputedBy {
+        ComputedBy::new(Backend::Gpu, self.gpu.summary().to_string())
+    }
+
+    fn supports_wave_power(&self, plan: &WavePlan) -> Result<(), String> {
+        wave_power::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    }
+
+    fn supports_pair_counts(&self, plan: &PairPlan) -> Result<(), String> {
+        pair_counts::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    }
+
+    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
+        pair_counts::pair_counts(self, plan, ensemble, control)
+    }
+
+    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+        wave_power::wave_power(self, plan, ensemble, control)
+    }
+}

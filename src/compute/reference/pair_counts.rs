@@ -60,13 +60,12 @@ pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]]) -> PairHistogram {
                 continue;
             }
             let r2 = squared_distance(axes, periods, i, j);
-            for b in 0..bins {
-                if plan.thresholds[b] <= r2 && r2 < plan.thresholds[b + 1] {
-                    counts[b] += 1;
-                    if let Some(weights) = &mut weights {
-                        weights[b] += u128::from(translation_weight(axes, &plan.domain, i, j));
-                    }
-                    break;
+            // The number of edges at or below the distance: bin b lies between edges b and b + 1.
+            let edges_below = plan.thresholds.partition_point(|&t| t <= r2);
+            if (1..=bins).contains(&edges_below) {
+                counts[edges_below - 1] += 1;
+                if let Some(weights) = &mut weights {
+                    weights[edges_below - 1] += u128::from(translation_weight(axes, &plan.domain, i, j));
                 }
             }
         }

@@ -1,0 +1,47 @@
+// Unsigned integers wider than 32 bits, as limbs, least significant first: 64 bits in vec2<u32>, 128 in vec4<u32>.
+
+fn wide_add(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    let low = a.x + b.x;
+    return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
+}
+
+fn wide_sub(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    return vec2<u32>(a.x - b.x, a.y - b.y - select(0u, 1u, a.x < b.x));
+}
+
+fn wide_less(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return a.y < b.y || (a.y == b.y && a.x < b.x);
+}
+
+// The full product of two 32-bit integers.
+fn wide_product(a: u32, b: u32) -> vec2<u32> {
+    let a0 = a & 0xffffu;
+    let a1 = a >> 16u;
+    let b0 = b & 0xffffu;
+    let b1 = b >> 16u;
+    let p00 = a0 * b0;
+    let p01 = a0 * b1;
+    let p10 = a1 * b0;
+    let middle = (p00 >> 16u) + (p01 & 0xffffu) + (p10 & 0xffffu);
+    let low = (p00 & 0xffffu) | (middle << 16u);
+    return vec2<u32>(low, a1 * b1 + (p01 >> 16u) + (p10 >> 16u) + (middle >> 16u));
+}
+
+// The square of a 64-bit integer: low^2 + 2^33 low high + 2^64 high^2.
+fn wide_square(a: vec2<u32>) -> vec4<u32> {
+    let low = wide_product(a.x, a.x);
+    let cross = wide_product(a.x, a.y);
+    let high = wide_product(a.y, a.y);
+    let doubled = vec4<u32>(0u, cross.x << 1u, (cross.y << 1u) | (cross.x >> 31u), cross.y >> 31u);
+    return wide_add_128(vec4<u32>(low, high), doubled);
+}
+
+fn wide_add_128(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+    let low = wide_add(a.xy, b.xy);
+    let carry = select(0u, 1u, wide_less(low, a.xy));
+    return vec4<u32>(low, wide_add(wide_add(a.zw, b.zw), vec2<u32>(carry, 0u)));
+}
+
+fn wide_less_128(a: vec4<u32>, b: vec4<u32>) -> bool {
+    return wide_less(a.zw, b.zw) || (all(a.zw == b.zw) && wide_less(a.xy, b.xy));
+}

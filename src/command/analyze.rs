@@ -1,0 +1,66 @@
+//! `pairwave analyze`
+
+use std::path::PathBuf;
+
+use pairwave::analysis::{self, Plan};
+use pairwave::request::Request;
+use pairwave::source::Source;
+use pairwave::{Result, report};
+
+use super::print;
+use super::progress::{Bar, stop_on_interrupt};
+
+#[derive(clap::Args)]
+pub(crate) struct Analyze {
+    #[command(flatten)]
+    request: Request,
+
+    /// Directory for the results; created, never overwritten without --force
+    #[arg(long, value_name = "DIR", required_unless_present = "explain")]
+    out: Option<PathBuf>,
+
+    /// Replace a result that is already there
+    #[arg(long)]
+    force: bool,
+
+    /// Print the plan with its cost, and stop
+    #[arg(long)]
+    explain: bool,
+
+    /// No progress and no notes, only errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Analyze {
+    pub(crate) fn run(self) -> Result<()> {
+        let out = self.out.as_ref().filter(|_| !self.explain);
+        if let Some(out) = out {
+            report::check_out(out, self.force)?;
+        }
+        let control = stop_on_interrupt()?;
+        let source = Source::open(&self.request.input)?;
+        let plan = Plan::new(&self.request, source.domain(), source.shape())?;
+        let device = self.request.device.open(self.request.threads)?;
+        if let Some(note) = device.note.filter(|_| !self.quiet) {
+            eprintln!("note: {note}");
+        }
+        let Some(out) = out else {
+            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.compute.computed_by().device));
+        };
+        let bar = Bar::new(self.quiet);
+        let analysis =
+            analysis::run(&self.request, &source, &plan, device.compute.as_ref(), &control, &mut |p| bar.show(p))?;
+        bar.finish();
+        let files = report::write(out, &analysis, self.force)?;
+        if !self.quiet {
+            for warning in &analysis.warnings {
+                eprintln!("warning: {warning}");
+            }
+            print(&report::headline(&analysis))?;
+            let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
+            print(&format!("{}: {}\n", out.display(), names.join(" ")))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,227 @@
+//! Rust twins of every WGSL struct and binding, and the registry by which a test compares both sides.
+
+use bytemuck::{Pod, Zeroable};
+
+/// One field of a struct: name, offset and size in bytes.
+pub type Field = (&'static str, usize, usize);
+
+/// A struct shared with a shader.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StructLayout {
+    /// Its name in WGSL.
+    pub name: &'static str,
+    /// Its size in bytes.
+    pub size: usize,
+    /// Its fields in order.
+    pub fields: Vec<Field>,
+}
+
+/// How a shader sees a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// `var<uniform>`
+    Uniform,
+    /// `var<storage, read>`
+    Read,
+    /// `var<storage, read_write>`
+    ReadWrite,
+}
+
+/// One binding of group 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binding {
+    /// Its number.
+    pub binding: u32,
+    /// The name of the variable in WGSL, and the label of the buffer.
+    pub name: &'static str,
+    /// Address space and access.
+    pub access: Access,
+}
+
+const fn bound(binding: u32, name: &'static str, access: Access) -> Binding {
+    Binding { binding, name, access }
+}
+
+macro_rules! twins {
+    ($($(#[$doc:meta])* struct $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)+ })+) => {
+        $($(#[$doc])*
+        #[repr(C)]
+        #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+        pub struct $name { $($(#[$field_doc])* pub $field: $type,)+ })+
+
+        /// Every struct shared with a shader.
+        pub fn struct_layouts() -> Vec<StructLayout> {
+            vec![$(StructLayout {
+                name: stringify!($name),
+                size: size_of::<$name>(),
+                fields: vec![$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$type>())),+],
+            }),+]
+        }
+    };
+}
+
+twins! {
+    /// See `shaders/pair_counts.wgsl`.
+    struct PairParams {
+        /// Periods in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
+        period_rounded: [u32; 4],
+        /// Lower half of the periods in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
+        period_low: [u32; 4],
+        /// Upper half.
+        period_high: [u32; 4],
+        /// `BinFilter::Linear`: bins per step of `length_unit / 2^32`.
+        bins_per_step: f32,
+        /// `BinFilter::Linear`: relative guard.
+        relative_guard: f32,
+        /// `BinFilter::Linear`: absolute guard, in bins.
+        absolute_guard: f32,
+        /// `BinFilter::Table`: `bits(r2) >> CELL_SHIFT` of the first cell.
+        first_cell: u32,
+        /// `BinFilter::Table`: index of the last cell.
+        last_cell: u32,
+        /// The job of workgroup 0.
+        first_job: u32,
+        /// Points in the buffers.
+        total_points: u32,
+        /// Padding.
+        reserved: u32,
+    }
+
+    /// See `shaders/pair_counts.wgsl`: one tile against the tiles that follow it.
+    struct PairJob {
+        /// Where the realization begins in the buffers.
+        first_point: u32,
+        /// Points of the realization.
+        points: u32,
+        /// The tile held in registers.
+        tile: u32,
+        /// How many tiles further on (cyclically) the first of the others is.
+        first_step: u32,
+        /// How many others.
+        steps: u32,
+        /// The histogram to add to.
+        histogram: u32,
+    }
+
+    /// See `shaders/shared/wave_types.wgsl`: the tile of the grid at hand.
+    struct WaveParams {
+        /// First `m_0`.
+        first_row: u32,
+        /// Number of `m_0`.
+        rows: u32,
+        /// First column.
+        first_column: u32,
+        /// Number of columns.
+        columns: u32,
+        /// Workgroup blocks over the rows.
+        row_blocks: u32,
+        /// Workgroup blocks over the columns.
+        column_blocks: u32,
+        /// The work item of workgroup 0.
+        first_job: u32,
+        /// Number of work items.
+        jobs: u32,
+        /// Largest `|m_2|`.
+        frequency_2: u32,
+        /// Points in the buffers.
+        total_points: u32,
+        /// A zero that the shader compiler does not know.
+        zero: u32,
+        /// Padding.
+        reserved: u32,
+    }
+
+    /// See `shaders/shared/wave_types.wgsl`: cos cos, sin sin, cos sin, sin cos.
+    struct WaveSums {
+        /// Rounded sums.
+        high: [f32; 4],
+        /// What the rounding left out.
+        low: [f32; 4],
+    }
+
+    /// See `shaders/shared/wave_types.wgsl`: points of a chunk, or chunks of a realization.
+    struct WaveRange {
+        /// The first.
+        first: u32,
+        /// How many.
+        count: u32,
+    }
+
+    /// See `shaders/probe.wgsl`.
+    struct ProbeParams {
+        /// Number of inputs.
+        count: u32,
+        /// A zero that the shader compiler does not know.
+        zero: u32,
+        /// Padding.
+        reserved_0: u32,
+        /// Padding.
+        reserved_1: u32,
+    }
+
+    /// See `shaders/probe.wgsl`.
+    struct ProbeInput {
+        /// First summand.
+        a: f32,
+        /// Second summand.
+        b: f32,
+        /// A phase in steps of 2^-32 turns.
+        phase: u32,
+        /// Padding.
+        reserved: u32,
+    }
+
+    /// See `shaders/probe.wgsl`.
+    struct ProbeOutput {
+        /// The rounded sum.
+        sum: f32,
+        /// What the rounding left out.
+        error: f32,
+        /// Cosine of the phase.
+        cos: f32,
+        /// Sine of the phase.
+        sin: f32,
+    }
+}
+
+/// Bindings of `pair_counts` with linear bins.
+pub const PAIR_LINEAR: &[Binding] = &[
+    bound(0, "params", Access::Uniform),
+    bound(1, "jobs", Access::Read),
+    bound(2, "rounded", Access::Read),
+    bound(3, "exact", Access::Read),
+    bound(4, "thresholds", Access::Read),
+    bound(5, "histograms", Access::ReadWrite),
+];
+
+/// Bindings of `pair_counts` with a table of bins.
+pub const PAIR_TABLE: &[Binding] = &[
+    bound(0, "params", Access::Uniform),
+    bound(1, "jobs", Access::Read),
+    bound(2, "rounded", Access::Read),
+    bound(3, "exact", Access::Read),
+    bound(4, "thresholds", Access::Read),
+    bound(5, "histograms", Access::ReadWrite),
+    bound(6, "cells", Access::Read),
+    bound(7, "bounds", Access::Read),
+];
+
+/// Bindings of `wave_power`.
+pub const WAVE_POWER: &[Binding] = &[
+    bound(0, "params", Access::Uniform),
+    bound(1, "chunks", Access::Read),
+    bound(2, "fractions", Access::Read),
+    bound(3, "sums", Access::ReadWrite),
+];
+
+/// Bindings of `wave_power_fold`.
+pub const WAVE_POWER_FOLD: &[Binding] = &[
+    bound(0, "params", Access::Uniform),
+    bound(1, "realizations", Access::Read),
+    bound(2, "sums", Access::Read),
+    bound(3, "power", Access::ReadWrite),
+];
+
+/// Bindings of `probe`.
+pub const PROBE: &[Binding] =
+    &[bound(0, "params", Access::Uniform), bound(1, "inputs", Access::Read), bound(2, "outputs", Access::ReadWrite)];

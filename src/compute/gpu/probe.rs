@@ -1,0 +1,209 @@
+//! The self-check of a device: the real kernels on tiny inputs, against the reference. A driver's compiler may rearrange
+//! arithmetic in ways no specification forbids; a device that does so here is refused.
+
+use std::fmt;
+
+use super::GpuCompute;
+use super::buffers::Fill;
+use super::kernel::{self, KernelSpec};
+use super::params::{PROBE, ProbeInput, ProbeOutput, ProbeParams};
+use crate::compute::reference::Reference;
+use crate::compute::{Compute, Control};
+use crate::error::Result;
+use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::points::{Domain, Ensemble, RawPoints};
+
+const NAME: &str = "probe";
+const WORKGROUP: u32 = 64;
+
+/// One question and its answer.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Check {
+    /// What was asked.
+    pub name: &'static str,
+    /// Whether the device does it right.
+    pub passed: bool,
+    /// What was found.
+    pub found: String,
+}
+
+/// What the self-check found.
+#[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
+pub struct Verdict {
+    /// In the order they were asked.
+    pub checks: Vec<Check>,
+}
+
+impl Verdict {
+    /// Whether every check passed (and there were some).
+    pub fn passed(&self) -> bool {
+        !self.checks.is_empty() && self.checks.iter().all(|c| c.passed)
+    }
+
+    /// The failed checks, in one line.
+    pub fn failures(&self) -> String {
+        let failed = self.checks.iter().filter(|c| !c.passed);
+        failed.map(|c| format!("{}: {}", c.name, c.found)).collect::<Vec<_>>().join("; ")
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for check in &self.checks {
+            let word = if check.passed { "ok" } else { "FAILED" };
+            writeln!(f, "{word:6} {}: {}", check.name, check.found)?;
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn spec() -> KernelSpec {
+    KernelSpec {
+        name: NAME,
+        files: vec![kernel::PHASE, kernel::TWO_FLOAT, kernel::PROBE],
+        overrides: vec![("WORKGROUP", WORKGROUP)],
+        bindings: PROBE,
+    }
+}
+
+/// Asks everything. A check that cannot run is a check that failed.
+pub(super) fn check(compute: &GpuCompute) -> Verdict {
+    let mut verdict = Verdict::default();
+    let mut ask = |name, result: Result<Result<String, String>>| {
+        let (passed, found) = match result {
+            Ok(Ok(found)) => (true, found),
+            Ok(Err(found)) => (false, found),
+            Err(e) => (false, e.to_string()),
+        };
+        verdict.checks.push(Check { name, passed, found });
+    };
+    ask("compensated sums, cosine and sine", arithmetic(compute));
+    ask("pairs on bin edges, square torus", edge_pairs(compute));
+    ask("pairs in logarithmic bins, unequal sides", box_pairs(compute));
+    ask("power of a rank-1 lattice", lattice_power(compute));
+    ask("power in three dimensions", box_power(compute));
+    verdict
+}
+
+/// A reproducible sequence of 32-bit numbers (PCG hash) without the weight of a sampler.
+fn hash(i: u32) -> u32 {
+    let state = i.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+fn unit(i: u32) -> f64 {
+    f64::from(hash(i)) / 4_294_967_296.0
+}
+
+fn arithmetic(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let inputs: Vec<ProbeInput> = (0..1024)
+        .map(|i| ProbeInput {
+            a: ((unit(4 * i) - 0.5) * 1e4) as f32,
+            b: (unit(4 * i + 1) - 0.5) as f32,
+            // Every eighth of a turn and its neighbours, then anywhere.
+            phase: if i < 24 {
+                (i / 3).wrapping_mul(1 << 29).wrapping_add(i % 3).wrapping_sub(1)
+            } else {
+                hash(4 * i + 2)
+            },
+            reserved: 0,
+        })
+        .collect();
+    let gpu = compute.gpu();
+    let kernel = compute.kernel(spec())?;
+    let outputs: Vec<ProbeOutput> = gpu.guarded(NAME, || {
+        let count = inputs.len() as u32;
+        let params = gpu.uniform("params", &ProbeParams { count, ..ProbeParams::default() });
+        let given = gpu.upload("inputs", &inputs, Fill::Zero);
+        let outputs = gpu.scratch("outputs", size_of_val(inputs.as_slice()) as u64, Fill::Poison);
+        let mut encoder = gpu.encoder(NAME);
+        kernel.dispatch(gpu, &mut encoder, &[&params, &given, &outputs], count.div_ceil(WORKGROUP));
+        gpu.read_back(NAME, encoder, &outputs, inputs.len())
+    })?;
+    let mut lost = 0;
+    let mut worst = 0f64;
+    for (given, out) in inputs.iter().zip(&outputs) {
+        // Both sides are exact in f64.
+        if f64::from(given.a) + f64::from(given.b) != f64::from(out.sum) + f64::from(out.error) {
+            lost += 1;
+        }
+        let angle = f64::from(given.phase) / 4_294_967_296.0 * std::f64::consts::TAU;
+        let error = (f64::from(out.cos) - angle.cos()).abs().max((f64::from(out.sin) - angle.sin()).abs());
+        // Written so that NaN stays.
+        worst = if error <= worst { worst } else { error };
+    }
+    let found =
+        format!("{lost} of {} sums lose their error term, cosine and sine are off by {worst:.1e}", inputs.len());
+    Ok(if lost == 0 && worst <= 1.3e-7 { Ok(found) } else { Err(found) })
+}
+
+fn ensemble(domain: &Domain, sets: &[Vec<f64>]) -> Result<(Ensemble, EnsembleShape)> {
+    let dim = domain.dim();
+    let raw: Vec<RawPoints> = sets
+        .iter()
+        .map(|c| RawPoints { dim, coordinates: c.clone(), source: "self-check".into(), lines: Vec::new() })
+        .collect();
+    let ensemble = Ensemble::from_raw(&raw, domain, true, 0)?;
+    let sizes: Vec<usize> = raw.iter().map(RawPoints::len).collect();
+    let shape = EnsembleShape {
+        realizations: sizes.len() as u64,
+        mean_points: sizes.iter().sum::<usize>() as f64 / sizes.len() as f64,
+        max_points: sizes.iter().copied().max().unwrap_or(0) as u64,
+    };
+    Ok((ensemble, shape))
+}
+
+fn pairs(compute: &GpuCompute, domain: &Domain, bins: RadialBins, sets: &[Vec<f64>]) -> Result<Result<String, String>> {
+    let (ensemble, shape) = ensemble(domain, sets)?;
+    let plan = PairPlan::new(domain, bins, Correction::None, shape)?;
+    let truth = Reference.pair_counts(&plan, &ensemble, &Control::default())?;
+    let here = compute.pair_counts(&plan, &ensemble, &Control::default())?;
+    let total: u64 = truth.counts.iter().sum();
+    let wrong = truth.counts.iter().zip(&here.counts).filter(|(a, b)| a != b).count();
+    if wrong == 0 && truth.moments == here.moments {
+        Ok(Ok(format!("{total} ordered pairs, all in their bins")))
+    } else {
+        Ok(Err(format!("{wrong} of {} bins are wrong", truth.counts.len())))
+    }
+}
+
+/// Points of a grid of 20 x 20 steps, in bins whose edges are multiples of the step.
+fn edge_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let set =
+        |n: u32| (0..n).flat_map(|i| [f64::from(hash(2 * i) % 20) / 20.0, f64::from(hash(2 * i + 1) % 20) / 20.0]);
+    pairs(compute, &Domain::unit_torus(2), RadialBins::linear(0.5, 20)?, &[set(90).collect(), set(31).collect()])
+}
+
+fn box_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let sides = [1.0, 0.7, 1.3];
+    let set = |n: u32| (0..3 * n).map(|i| unit(i) * sides[i as usize % 3]).collect();
+    pairs(compute, &Domain::torus(&sides)?, RadialBins::logarithmic(0.01, 0.35, 12)?, &[set(70), set(1), set(40)])
+}
+
+fn power(compute: &GpuCompute, domain: &Domain, grid: &[u32], sets: &[Vec<f64>]) -> Result<Result<String, String>> {
+    let (ensemble, shape) = ensemble(domain, sets)?;
+    let plan = WavePlan::new(domain, WaveGrid::new(grid)?, Accuracy::Fast, shape)?;
+    let truth = Reference.wave_power(&plan, &ensemble, &Control::default())?.totals().0;
+    let here = compute.wave_power(&plan, &ensemble, &Control::default())?.totals().0;
+    let n = ensemble.total_points() as f64;
+    let mut worst = 0f64;
+    for (a, b) in truth.q.iter().zip(&here.q) {
+        let error = (a - b).abs() / (n + a);
+        worst = if error <= worst { worst } else { error };
+    }
+    let bound = Accuracy::Fast.power_bound().max_relative_to_one_plus_p;
+    let found = format!("|P - P_ref| <= {worst:.1e} (1 + P), promised {bound:.0e}");
+    Ok(if worst <= bound { Ok(found) } else { Err(found) })
+}
+
+fn lattice_power(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let set = (0..144u32).flat_map(|i| [f64::from(i) / 144.0, f64::from(i * 89 % 144) / 144.0]).collect();
+    power(compute, &Domain::unit_torus(2), &[24, 24], &[set])
+}
+
+fn box_power(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let sides = [1.0, 0.7, 1.3];
+    let set = |n: u32| (0..3 * n).map(|i| unit(i) * sides[i as usize % 3]).collect();
+    power(compute, &Domain::torus(&sides)?, &[5, 4, 3], &[set(50), set(20)])
+}

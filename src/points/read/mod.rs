@@ -1,0 +1,314 @@
+//! Readers, one per format. What a file holds is decided by its content first and by its name only where the content
+//! says nothing:
+//!
+//! 1. `--raw` given: raw numbers, whatever the file looks like.
+//! 2. `\x93NUMPY`, `PK`, `UTK!` at the start: `.npy`, `.npz`, UTK `.bin`.
+//! 3. Bytes that are text: text or CSV, whatever the name.
+//! 4. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
+//!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
+
+mod npy;
+mod npz;
+mod raw;
+mod text;
+mod utk;
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::points::RawPoints;
+
+pub use raw::{RawElement, RawLayout};
+
+/// What the command line says about its input files.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The number of coordinates per point, if a flag fixed it.
+    pub dim: Option<usize>,
+    /// `--raw`: the files hold nothing but numbers, in this layout.
+    pub raw: Option<RawLayout>,
+}
+
+/// File names that a directory may hold besides those without an extension.
+const KNOWN_EXTENSIONS: [&str; 12] =
+    ["csv", "tsv", "txt", "dat", "xy", "xyz", "npy", "npz", "rps", "bin", "f32", "f64"];
+
+/// Reads every realization of every file, in order. An input is a file, a directory (its files in natural order,
+/// hidden files and subdirectories left out), a pattern with `*`, `?` or `[...]`, or `-` for standard input.
+pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoints>> {
+    let form = "expected files, a directory, a pattern such as 'set_*.npy', or - for standard input";
+    if inputs.is_empty() {
+        return Err(Error::setting("FILES", "(none)", form));
+    }
+    if inputs.iter().filter(|p| is_stdin(p)).count() > 1 {
+        return Err(Error::setting("FILES", "- -", "standard input can be read only once"));
+    }
+    let mut batch: Vec<RawPoints> = Vec::new();
+    for input in inputs {
+        for path in expand(input, options)? {
+            let sets = read_file(&path, options)?;
+            for set in &sets {
+                check_dim(set, batch.first().or(sets.first()), options)?;
+            }
+            batch.extend(sets);
+        }
+    }
+    Ok(batch)
+}
+
+fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) -> Result<()> {
+    if let Some(dim) = options.dim.filter(|&dim| dim != set.dim) {
+        return Err(Error::input(
+            &set.source,
+            format!("{} per point, but --box or --window has {}", coordinates(set.dim), plural(dim as u64, "axis")),
+        ));
+    }
+    match first {
+        Some(first) if first.dim != set.dim => {
+            let reason = format!("{} per point, but {} has {}", coordinates(set.dim), first.source, first.dim);
+            Err(Error::input(&set.source, reason))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn coordinates(dim: usize) -> String {
+    plural(dim as u64, "coordinate")
+}
+
+fn plural(n: u64, noun: &str) -> String {
+    match (n, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "axis") => format!("{n} axes"),
+        _ => format!("{n} {noun}s"),
+    }
+}
+
+fn is_stdin(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// The files that one input stands for.
+fn expand(input: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
+    if is_stdin(input) {
+        return Ok(vec![input.to_owned()]);
+    }
+    match fs::metadata(input) {
+        Ok(data) if data.is_dir() => directory(input, options),
+        Ok(_) => Ok(vec![input.to_owned()]),
+        // The shell expands patterns, but not when quoted, and not on Windows.
+        Err(error) => match input.to_str().filter(|text| text.contains(['*', '?', '['])) {
+            Some(pattern) => matches(input, pattern),
+            None => Err(Error::file(input, error)),
+        },
+    }
+}
+
+fn matches(input: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
+    let place = input.display().to_string();
+    let options = glob::MatchOptions { require_literal_leading_dot: true, ..Default::default() };
+    let found = glob::glob_with(pattern, options).map_err(|e| Error::input(&place, format!("not a pattern: {e}")))?;
+    let mut paths = Vec::new();
+    for path in found {
+        let path = path.map_err(|e| Error::file(e.path().to_owned(), e.into()))?;
+        if path.is_file() {
+            paths.push(path);
+        }
+    }
+    if paths.is_empty() {
+        return Err(Error::input(place, "no file matches this pattern"));
+    }
+    sort_naturally(&mut paths);
+    Ok(paths)
+}
+
+fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(dir).map_err(|e| Error::file(dir, e))? {
+        let path = entry.map_err(|e| Error::file(dir, e))?.path();
+        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if hidden || fs::metadata(&path).map_err(|e| Error::file(&path, e))?.is_dir() {
+            continue;
+        }
+        let extension = extension(&path);
+        if options.raw.is_none() && !extension.is_empty() && !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
+            let known = KNOWN_EXTENSIONS.join(", .");
+            let reason =
+                format!("not a kind of file that holds points; expected .{known}, or name the files one by one");
+            return Err(Error::input(path.display().to_string(), reason));
+        }
+        paths.push(path);
+    }
+    if paths.is_empty() {
+        return Err(Error::input(dir.display().to_string(), "no files in this directory"));
+    }
+    sort_naturally(&mut paths);
+    Ok(paths)
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+fn sort_naturally(paths: &mut [PathBuf]) {
+    paths.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));
+}
+
+/// A key that orders `set_2` before `set_10`: runs of digits compare as numbers, however long they are, and the text
+/// itself decides between `set_1` and `set_01`.
+fn natural_key(name: &str) -> (Vec<(String, usize, String)>, String) {
+    let mut parts = Vec::new();
+    let mut rest = name;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
+        let (text, tail) = rest.split_at(digits);
+        let end = tail.find(|c: char| !c.is_ascii_digit()).unwrap_or(tail.len());
+        let (number, tail) = tail.split_at(end);
+        let number = number.trim_start_matches('0');
+        parts.push((text.to_owned(), number.len(), number.to_owned()));
+        rest = tail;
+    }
+    (parts, name.to_owned())
+}
+
+/// Every realization of one file, at least one.
+fn read_file(path: &Path, options: &ReadOptions) -> Result<Vec<RawPoints>> {
+    let (name, bytes) = if is_stdin(path) {
+        let mut bytes = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| Error::file("standard input", e))?;
+        ("standard input".to_owned(), bytes)
+    } else {
+        (path.display().to_string(), fs::read(path).map_err(|e| Error::file(path, e))?)
+    };
+    read_bytes(&name, &extension(path), &bytes, options)
+}
+
+fn read_bytes(name: &str, extension: &str, bytes: &[u8], options: &ReadOptions) -> Result<Vec<RawPoints>> {
+    if bytes.is_empty() {
+        return Err(Error::input(name, "the file is empty"));
+    }
+    if let Some(layout) = options.raw {
+        return raw::read(name, bytes, layout);
+    }
+    if bytes.starts_with(npy::MAGIC) {
+        return Ok(numbered(name, npy::read(name, bytes)?));
+    }
+    if npz::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
+        return npz::read(name, bytes);
+    }
+    if bytes.starts_with(&utk::MAGIC) {
+        return Ok(numbered(name, utk::read(name, bytes)?));
+    }
+    if text::is_utf16(bytes) {
+        return Err(Error::input(name, "text in UTF-16; save it as UTF-8"));
+    }
+    if text::is_text(bytes) {
+        return text::read(name, bytes, options.dim);
+    }
+    let element = match extension {
+        "rps" => return raw::read(name, bytes, RawLayout::RPS),
+        "f32" => RawElement::F32,
+        "f64" => RawElement::F64,
+        _ if KNOWN_EXTENSIONS.contains(&extension) || !raw::could_be_rps(bytes) => return Err(unknown(name, bytes)),
+        _ => return raw::read(name, bytes, RawLayout::RPS),
+    };
+    match options.dim {
+        Some(dim) => raw::read(name, bytes, RawLayout::new(element, dim)?),
+        None => {
+            let reason = format!("raw numbers do not say how many make a point; give --raw {extension}x2 (or x1, x3)");
+            Err(Error::input(name, reason))
+        }
+    }
+}
+
+fn unknown(name: &str, bytes: &[u8]) -> Error {
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        return Error::input(name, "compressed with gzip; unpack it first");
+    }
+    let reason = "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need --raw f32x2 or the like";
+    Error::input(name, reason)
+}
+
+/// Several arrays of `n * dim` numbers: what the binary readers deliver.
+struct Sets {
+    dim: usize,
+    sets: Vec<Vec<f64>>,
+}
+
+/// One set is called by its file; several are numbered from 0.
+fn numbered(name: &str, Sets { dim, sets }: Sets) -> Vec<RawPoints> {
+    let single = sets.len() == 1;
+    let source = |k: usize| if single { name.to_owned() } else { format!("{name}, realization {k}") };
+    let set = |(k, coordinates)| RawPoints { dim, coordinates, source: source(k), lines: Vec::new() };
+    sets.into_iter().enumerate().map(set).collect()
+}
+
+/// The type of the numbers in a binary file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Element {
+    F16,
+    F32,
+    F64,
+    I8,
+    I16,
+    I32,
+    I64,
+    U8,
+    U16,
+    U32,
+    U64,
+}
+
+impl Element {
+    fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::F16 | Self::I16 | Self::U16 => 2,
+            Self::F32 | Self::I32 | Self::U32 => 4,
+            Self::F64 | Self::I64 | Self::U64 => 8,
+        }
+    }
+
+    /// Every number of `bytes`, as f64: exact but for integers beyond 2^53, which are rounded to nearest.
+    fn decode(self, bytes: &[u8], big_endian: bool) -> Vec<f64> {
+        macro_rules! numbers {
+            ($type:ty, $to_f64:expr) => {{
+                let (chunks, _) = bytes.as_chunks::<{ size_of::<$type>() }>();
+                let from = if big_endian { <$type>::from_be_bytes } else { <$type>::from_le_bytes };
+                chunks.iter().map(|&chunk| $to_f64(from(chunk))).collect()
+            }};
+        }
+        match self {
+            Self::F16 => numbers!(half::f16, half::f16::to_f64),
+            Self::F32 => numbers!(f32, f64::from),
+            Self::F64 => numbers!(f64, f64::from),
+            Self::I8 => numbers!(i8, f64::from),
+            Self::I16 => numbers!(i16, f64::from),
+            Self::I32 => numbers!(i32, f64::from),
+            Self::I64 => numbers!(i64, |x| x as f64),
+            Self::U8 => numbers!(u8, f64::from),
+            Self::U16 => numbers!(u16, f64::from),
+            Self::U32 => numbers!(u32, f64::from),
+            Self::U64 => numbers!(u64, |x| x as f64),
+        }
+    }
+}
+
+/// Checks that `data` holds exactly `count` numbers, without trusting `count`: a header may claim anything.
+fn check_length(name: &str, what: &str, count: Option<u64>, element: Element, data: &[u8]) -> Result<()> {
+    let found = data.len() as u64;
+    let Some(expected) = count.and_then(|n| n.checked_mul(element.bytes() as u64)) else {
+        return Err(Error::input(name, format!("{what} is more than any file can hold")));
+    };
+    if found < expected {
+        let reason = format!("truncated: {what} needs {expected} bytes of data, found {found}");
+        return Err(Error::input(name, reason));
+    }
+    if found > expected {
+        let reason = format!("{what} needs {expected} bytes of data, found {} more after them", found - expected);
+        return Err(Error::input(name, reason));
+    }
+    Ok(())
+}

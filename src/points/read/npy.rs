@@ -1,0 +1,159 @@
+//! `.npy`, versions 1 to 3: magic, version, header length, a Python dictionary as text, data.
+//!
+//! The dictionary is read here rather than by a library because its shape decides how much is allocated and because
+//! every message names what was found; the general parsers recurse on hostile nesting and multiply shapes unchecked.
+
+use super::{Element, Sets, check_length};
+use crate::error::{Error, Result};
+
+pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
+
+struct Header<'a> {
+    dtype: &'a str,
+    element: Element,
+    big_endian: bool,
+    fortran: bool,
+    shape: Vec<u64>,
+}
+
+pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Sets> {
+    let fail = |reason: String| Error::input(name, reason);
+    let (text, data) = split(bytes).map_err(fail)?;
+    let Header { dtype, element, big_endian, fortran, shape } = parse(text).map_err(fail)?;
+    let shown = show_shape(&shape);
+    let (k, n, d) = sizes(&shape).map_err(fail)?;
+    let count = shape.iter().try_fold(1, |product: u64, &side| product.checked_mul(side));
+    check_length(name, &format!("shape {shown} of {dtype}"), count, element, data)?;
+    if k == 0 || (n == 0 && k > 1) {
+        return Err(fail(format!("shape {shown} holds no points")));
+    }
+    let flat = element.decode(data, big_endian);
+    // All three sizes are at most the number of elements that the data holds, so they fit.
+    let (k, n, d) = (k as usize, n as usize, d as usize);
+    let sets = if fortran {
+        let set = |s| (0..n).flat_map(|i| (0..d).map(move |a| s + k * (i + n * a))).map(|at| flat[at]).collect();
+        (0..k).map(set).collect()
+    } else if k == 1 {
+        vec![flat]
+    } else {
+        flat.chunks_exact(n * d).map(<[f64]>::to_vec).collect()
+    };
+    Ok(Sets { dim: d, sets })
+}
+
+/// Header text and data.
+fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
+    let truncated = || "truncated: the file ends within the .npy header".to_owned();
+    let version = *bytes.get(6).ok_or_else(truncated)?;
+    let (start, length) = match version {
+        1 => match bytes.get(8..10) {
+            Some(&[a, b]) => (10, usize::from(u16::from_le_bytes([a, b]))),
+            _ => return Err(truncated()),
+        },
+        2 | 3 => match bytes.get(8..12) {
+            Some(&[a, b, c, d]) => (12, u32::from_le_bytes([a, b, c, d]) as usize),
+            _ => return Err(truncated()),
+        },
+        other => return Err(format!(".npy version {other}; expected 1, 2 or 3")),
+    };
+    let (header, data) = bytes[start..].split_at_checked(length).ok_or_else(truncated)?;
+    let text = std::str::from_utf8(header).map_err(|_| damaged("it is not text"))?;
+    Ok((text, data))
+}
+
+fn damaged(why: &str) -> String {
+    format!("damaged .npy header: {why}; expected 'descr', 'fortran_order' and 'shape'")
+}
+
+fn parse(text: &str) -> Result<Header<'_>, String> {
+    let value = |key: &str| {
+        let at = text.find(&format!("'{key}'")).or_else(|| text.find(&format!("\"{key}\"")));
+        let rest = at.and_then(|at| text[at + key.len() + 2..].trim_start().strip_prefix(':'));
+        rest.map(str::trim_start).ok_or_else(|| damaged(&format!("no '{key}'")))
+    };
+    let descr = value("descr")?;
+    let Some(quote) = descr.chars().next().filter(|c| matches!(c, '\'' | '"')) else {
+        let end = descr.find("'fortran_order'").unwrap_or(descr.len());
+        let shown: String = descr[..end].trim_end_matches([',', ' ']).chars().take(60).collect();
+        return Err(format!("a structured array, dtype {shown}; expected plain numbers, shape (n, d)"));
+    };
+    let dtype = descr[1..].split(quote).next().unwrap_or_default();
+    let (element, big_endian) = element(dtype)?;
+    let order = value("fortran_order")?;
+    let fortran = match (order.starts_with("True"), order.starts_with("False")) {
+        (true, _) => true,
+        (_, true) => false,
+        _ => return Err(damaged("'fortran_order' is neither True nor False")),
+    };
+    let shape = value("shape")?.strip_prefix('(').and_then(|rest| rest.split(')').next());
+    let sides: Option<Vec<u64>> = shape.and_then(|inside| {
+        let sides = inside.split(',').map(str::trim).filter(|side| !side.is_empty());
+        // Python 2 wrote long integers as 5L.
+        sides.map(|side| side.strip_suffix('L').unwrap_or(side).parse().ok()).collect()
+    });
+    let shape = sides.ok_or_else(|| damaged("'shape' is not a tuple of sizes"))?;
+    Ok(Header { dtype, element, big_endian, fortran, shape })
+}
+
+fn element(dtype: &str) -> Result<(Element, bool), String> {
+    let (order, kind) = match dtype.as_bytes().first() {
+        Some(order @ (b'<' | b'>' | b'|' | b'=')) => (*order, &dtype[1..]),
+        _ => (b'=', dtype),
+    };
+    let big_endian = order == b'>' || (order == b'=' && cfg!(target_endian = "big"));
+    let element = match kind {
+        "f2" => Element::F16,
+        "f4" => Element::F32,
+        "f8" => Element::F64,
+        "i1" => Element::I8,
+        "i2" => Element::I16,
+        "i4" => Element::I32,
+        "i8" => Element::I64,
+        "u1" => Element::U8,
+        "u2" => Element::U16,
+        "u4" => Element::U32,
+        "u8" => Element::U64,
+        _ => {
+            let what = match kind.as_bytes().first() {
+                Some(b'b') => "booleans",
+                Some(b'c') => "complex numbers",
+                Some(b'U' | b'S' | b'a') => "strings",
+                Some(b'O') => "Python objects",
+                Some(b'M' | b'm') => "times",
+                _ => "an unsupported type",
+            };
+            let shown: String = dtype.chars().take(20).collect();
+            return Err(format!("dtype {shown:?} is {what}; expected f2, f4, f8, i1 to i8 or u1 to u8"));
+        }
+    };
+    Ok((element, big_endian))
+}
+
+/// (K, n, d) of a shape.
+fn sizes(shape: &[u64]) -> Result<(u64, u64, u64), String> {
+    let (k, n, d) = match *shape {
+        [n] => (1, n, 1),
+        [n, d] => (1, n, d),
+        [k, n, d] => (k, n, d),
+        _ => {
+            let reason = "expected (n, d) or (K, n, d) with d = 1, 2 or 3, or (n,) for d = 1";
+            return Err(format!("shape {}; {reason}", show_shape(shape)));
+        }
+    };
+    if (1..=3).contains(&d) {
+        return Ok((k, n, d));
+    }
+    let hint = if (1..=3).contains(&n) && shape.len() > 1 { "; it seems to be transposed" } else { "" };
+    Err(format!(
+        "shape {} has {d} coordinates per point; expected (n, d) or (K, n, d) with d = 1, 2 or 3{hint}",
+        show_shape(shape)
+    ))
+}
+
+/// As Python shows it.
+fn show_shape(shape: &[u64]) -> String {
+    match shape {
+        [n] => format!("({n},)"),
+        _ => format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}

@@ -1,0 +1,105 @@
+//! Numbers and nothing else: `--raw f32x2`, and PSA's `.rps`, which is `f32x2` without being told. Little endian, one
+//! realization per file.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::{Element, Sets, numbered, plural};
+use crate::error::{Error, Result};
+use crate::points::RawPoints;
+
+/// The number type of a raw file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RawElement {
+    /// 32-bit floats.
+    F32,
+    /// 64-bit floats.
+    F64,
+}
+
+/// `--raw f32x2`: element type and coordinates per point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RawLayout {
+    element: RawElement,
+    dim: usize,
+}
+
+impl RawLayout {
+    /// PSA's `.rps`.
+    pub const RPS: Self = Self { element: RawElement::F32, dim: 2 };
+
+    /// `dim` coordinates of type `element` per point, 1 to 3.
+    pub fn new(element: RawElement, dim: usize) -> Result<Self> {
+        let layout = Self { element, dim };
+        if (1..=3).contains(&dim) { Ok(layout) } else { Err(wrong(&layout.to_string())) }
+    }
+
+    /// The number type.
+    pub fn element(&self) -> RawElement {
+        self.element
+    }
+
+    /// Coordinates per point.
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+}
+
+impl fmt::Display for RawLayout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let element = match self.element {
+            RawElement::F32 => "f32",
+            RawElement::F64 => "f64",
+        };
+        write!(f, "{element}x{}", self.dim)
+    }
+}
+
+impl FromStr for RawLayout {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (element, dim) = text.split_once('x').ok_or_else(|| wrong(text))?;
+        let element = match element {
+            "f32" => RawElement::F32,
+            "f64" => RawElement::F64,
+            _ => return Err(wrong(text)),
+        };
+        match dim {
+            "1" | "2" | "3" => Self::new(element, usize::from(dim.as_bytes()[0] - b'0')),
+            _ => Err(wrong(text)),
+        }
+    }
+}
+
+fn wrong(text: &str) -> Error {
+    Error::setting("--raw", text, "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)")
+}
+
+pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout) -> Result<Vec<RawPoints>> {
+    let element = match layout.element {
+        RawElement::F32 => Element::F32,
+        RawElement::F64 => Element::F64,
+    };
+    let point = element.bytes() * layout.dim;
+    let left_over = bytes.len() % point;
+    if left_over != 0 {
+        let reason = format!(
+            "{} are not a whole number of {layout} points of {point} bytes: {left_over} left over",
+            plural(bytes.len() as u64, "byte"),
+        );
+        return Err(Error::input(name, reason));
+    }
+    Ok(numbered(name, Sets { dim: layout.dim, sets: vec![element.decode(bytes, false)] }))
+}
+
+/// Whether `bytes` are pairs of fractions, as in `.rps`. An f64 in [2^-7, 1) read as two f32 gives one at or above 1,
+/// so f64 points do not pass for them.
+pub(super) fn could_be_rps(bytes: &[u8]) -> bool {
+    let (numbers, rest) = bytes.as_chunks::<4>();
+    let fraction = |&b: &[u8; 4]| {
+        let x = f32::from_le_bytes(b);
+        (0.0..1.0).contains(&x) && (x == 0.0 || x.is_normal())
+    };
+    rest.is_empty() && numbers.len() % 2 == 0 && numbers.iter().all(fraction)
+}

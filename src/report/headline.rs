@@ -1,0 +1,28 @@
+//! What the terminal says when a result is written: a few lines, no more.
+
+use super::text::{human, with_error};
+use crate::analysis::Analysis;
+
+/// Subject, device, and one line per statistic.
+pub fn headline(a: &Analysis) -> String {
+    let mut lines = vec![format!("{}, on {}", a.subject, a.computed_by.device)];
+    if let Some(g) = &a.pair_correlation {
+        let pairs: u64 = g.count.iter().sum();
+        let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
+        lines.push(format!("g(r): {} bins over {range}, {pairs} ordered pairs", g.g.len()));
+    }
+    if let Some(radial) = &a.radial {
+        let first = radial.rings.first().map_or(String::new(), |ring| {
+            let error = Some(ring.p_se);
+            format!(", P = {} at the lowest frequency", with_error(ring.p, error))
+        });
+        lines.push(format!("P(ν): {} rings{first}", radial.rings.len()));
+    }
+    if let Some(nn) = a.neighbors.as_ref() {
+        let value = |x: Option<f64>, se| x.map_or("undefined".into(), |x| with_error(x, se));
+        let relative = nn.mean_relative.map_or(String::new(), |r| format!(" ({} of the closest packing)", human(r)));
+        let (minimum, mean) = (value(nn.minimum, None), value(nn.mean, nn.mean_se));
+        lines.push(format!("nearest neighbour: smallest {minimum}, mean {mean}{relative}"));
+    }
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,315 @@
+//! `report.html`: one page that needs nothing else: no script, no font, no file beside it.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+
+use super::plots::{kernel_name, packing_symbol, size};
+use super::points_picture;
+use super::spectrum_image::{SpectrumImage, TONE_MAP};
+use super::text::{escape, human, with_error};
+use crate::analysis::Analysis;
+use crate::compute::Backend;
+use crate::estimate::{ErrorSource, Normalization};
+use crate::plan::Correction;
+
+/// The pictures of one report, as far as there are any.
+#[derive(Default)]
+pub(super) struct Pictures {
+    pub(super) pcf: Option<String>,
+    pub(super) spectrum_radial: Option<String>,
+    pub(super) anisotropy: Option<String>,
+    pub(super) spectrum: Option<SpectrumImage>,
+    pub(super) points: Option<String>,
+}
+
+const STYLE: &str = "
+:root { color-scheme: light; }
+body { font: 16px/1.5 Helvetica, Arial, 'Liberation Sans', sans-serif; color: #222; background: #fff;
+  max-width: 940px; margin: 0 auto; padding: 24px 16px 64px; overflow-wrap: anywhere; }
+h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .25rem; }
+h2 { font-size: 1.15rem; margin: 2.5rem 0 .5rem; border-bottom: 1px solid #ddd; padding-bottom: .25rem; }
+p.lead { color: #555; margin: 0 0 1rem; }
+.warnings { border-left: 4px solid #d55e00; background: #fdf3ec; padding: .6rem 1rem; margin: 1rem 0; }
+.warnings ul { margin: .25rem 0 0; padding-left: 1.2rem; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .3rem .75rem .3rem 0; border-bottom: 1px solid #eee; }
+th { font-weight: normal; color: #555; width: 42%; }
+sub, sup { line-height: 0; }
+figure { margin: 1.25rem 0 2rem; }
+figure .picture { overflow-x: auto; }
+figure svg { display: block; width: 100%; min-width: 620px; height: auto; }
+figure img { display: block; width: 100%; max-width: 640px; height: auto; margin: 0 auto; image-rendering: pixelated; }
+figcaption { color: #444; font-size: .95rem; margin-top: .5rem; }
+pre { background: #f6f6f6; padding: .75rem 1rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
+footer { color: #777; font-size: .85rem; margin-top: 3rem; }
+";
+
+/// The page.
+pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
+    let a = analysis;
+    let mut html = String::new();
+    let _ = write!(
+        html,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{subject} – pairwave</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
+         <h1>{subject}</h1>\n<p class=\"lead\">{}; {}</p>\n",
+        domain(a),
+        size(a),
+        subject = escape(&a.subject),
+    );
+    if !a.warnings.is_empty() {
+        html.push_str("<div class=\"warnings\" role=\"note\"><strong>Warnings</strong>\n<ul>\n");
+        for warning in &a.warnings {
+            let _ = writeln!(html, "<li>{}</li>", escape(warning));
+        }
+        html.push_str("</ul></div>\n");
+    }
+    html.push_str("<h2>At a glance</h2>\n");
+    table(&mut html, &scalars(a));
+    figures(&mut html, a, pictures);
+    errors(&mut html, a);
+
+    html.push_str("<h2>How it was computed</h2>\n");
+    if let Some((_, command)) = a.parameters.iter().find(|(name, _)| name == "command") {
+        let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(command));
+    }
+    let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
+    let backends: Vec<_> = a.computed_by.backends.iter().map(|b| backend(*b)).collect();
+    let mut rows = vec![
+        ("Device".into(), escape(&a.computed_by.device)),
+        ("Backend".into(), backends.join(", ")),
+        ("Program".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into()),
+    ];
+    if a.pair_correlation.is_some() {
+        rows.push(("Accuracy of the pair counts".into(), "exact".into()));
+    }
+    if a.spectrum.is_some() {
+        let bound = human(a.accuracy.power_bound().max_relative_to_one_plus_p);
+        let name = a.accuracy.name();
+        rows.push((
+            "Accuracy of P".into(),
+            format!("{name}: |<i>P</i> − <i>P</i><sub>exact</sub>| ≤ {bound} (1 + <i>P</i>)"),
+        ));
+    }
+    let seconds: f64 = a.timings.iter().map(|t| t.1).sum();
+    if !a.timings.is_empty() {
+        let stages: Vec<_> = a.timings.iter().map(|(s, t)| format!("{} {t:.3}", escape(s))).collect();
+        rows.push(("Time".into(), format!("{seconds:.3} s ({})", stages.join(", "))));
+    }
+    table(&mut html, &rows);
+    if !a.parameters.is_empty() {
+        html.push_str("<h2>Parameters</h2>\n");
+        let rows: Vec<_> = a.parameters.iter().map(|(n, v)| (escape(n), escape(v))).collect();
+        table(&mut html, &rows);
+    }
+    html.push_str("<footer>The numbers behind the pictures are in the CSV and NPY files next to this page.</footer>\n");
+    html.push_str("</body>\n</html>\n");
+    html
+}
+
+/// Rows of (name, value), both HTML.
+fn table(html: &mut String, rows: &[(String, String)]) {
+    html.push_str("<table>\n");
+    for (name, value) in rows {
+        let _ = writeln!(html, "<tr><th scope=\"row\">{name}</th><td>{value}</td></tr>");
+    }
+    html.push_str("</table>\n");
+}
+
+fn backend(backend: Backend) -> &'static str {
+    match backend {
+        Backend::Reference => "reference",
+        Backend::Cpu => "cpu",
+        Backend::Gpu => "gpu",
+    }
+}
+
+/// `unit torus in 2D`, `window [0, 2] × [1, 3]`.
+fn domain(a: &Analysis) -> String {
+    let domain = &a.domain;
+    let dim = domain.dim();
+    if domain.is_torus() {
+        if domain.sides().iter().all(|&s| s == 1.0) {
+            return format!("unit torus in {dim}D");
+        }
+        let sides: Vec<_> = domain.sides().iter().map(|&s| human(s)).collect();
+        return format!("torus in {dim}D with sides {}", sides.join(" × "));
+    }
+    let ranges: Vec<_> = domain
+        .origin()
+        .iter()
+        .zip(domain.sides())
+        .map(|(&o, &s)| format!("[{}, {}]", human(o), human(o + s)))
+        .collect();
+    format!("window {}", ranges.join(" × "))
+}
+
+/// `length units`, squared or cubed.
+fn per_measure(dim: usize) -> &'static str {
+    match dim {
+        1 => "per unit length",
+        2 => "per unit area",
+        _ => "per unit volume",
+    }
+}
+
+fn scalars(a: &Analysis) -> Vec<(String, String)> {
+    let dim = a.domain.dim();
+    let n = if a.min_points == a.shape.max_points {
+        a.shape.max_points.to_string()
+    } else {
+        format!("{} to {}, mean {}", a.min_points, a.shape.max_points, human(a.shape.mean_points))
+    };
+    let (d, which) = packing_symbol(dim);
+    let symbol = format!("<i>{d}</i><sub>{which}</sub>");
+    let mut rows: Vec<(String, String)> = vec![
+        ("Points per realization <i>n</i>".into(), n),
+        ("Realizations <i>K</i>".into(), a.shape.realizations.to_string()),
+        (
+            "Intensity <i>λ</i>".into(),
+            format!("{} {}", human(a.shape.mean_points / a.domain.measure()), per_measure(dim)),
+        ),
+        (
+            format!("Closest-packing distance {symbol}"),
+            format!("{} length units", human(a.domain.closest_packing_distance(a.shape.mean_points))),
+        ),
+    ];
+    if let Some(nn) = &a.neighbors {
+        let relative = |r: Option<f64>| r.map_or(String::new(), |r| format!(" ({} {symbol})", human(r)));
+        let value = |v: Option<f64>, se, r| {
+            v.map_or("undefined: no realization has two points".into(), |v| {
+                format!("{} length units{}", with_error(v, se), relative(r))
+            })
+        };
+        rows.push(("Smallest nearest-neighbour distance".into(), value(nn.minimum, None, nn.minimum_relative)));
+        rows.push(("Mean nearest-neighbour distance".into(), value(nn.mean, nn.mean_se, nn.mean_relative)));
+    }
+    if let Some(spectrum) = &a.spectrum {
+        let (p, se) = spectrum.dc();
+        let se = (spectrum.errors == ErrorSource::AcrossRealizations).then_some(se);
+        rows.push(("<i>P</i> at zero frequency, ∑<i>n</i><sup>2</sup> / ∑<i>n</i>".into(), with_error(p, se)));
+    }
+    if let Some(radial) = &a.radial {
+        let db = human(radial.anisotropy_reference_db);
+        rows.push(("Anisotropy if isotropic, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
+    }
+    rows.push(("Coinciding points".into(), a.duplicates.to_string()));
+    if !a.closed_form.name.is_empty() {
+        rows.push(("Closed form".into(), escape(&a.closed_form.name)));
+    }
+    rows
+}
+
+fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
+    let figure = |html: &mut String, picture: &str, caption: &str| {
+        let _ = write!(
+            html,
+            "<figure><div class=\"picture\">{picture}</div>\n<figcaption>{caption}</figcaption></figure>\n"
+        );
+    };
+    if let (Some(svg), Some(pcf)) = (&pictures.pcf, &a.pair_correlation) {
+        html.push_str("<h2>Pair correlation function</h2>\n");
+        let pairs = match pcf.normalization {
+            Normalization::Pairs => "<i>n</i>(<i>n</i> − 1)",
+            Normalization::Intensity => "<i>n</i><sup>2</sup>",
+        };
+        let kernel = a.kernel.as_ref().map_or(String::new(), |k| {
+            format!(
+                " The second curve is smoothed with {} {} kernel whose standard deviation is {} length units.",
+                if k.kernel.shape == crate::estimate::SmoothingKernel::Epanechnikov { "an" } else { "a" },
+                kernel_name(k.kernel.shape),
+                human(k.kernel.bandwidth)
+            )
+        });
+        let weights = match a.correction {
+            Correction::None => "",
+            Correction::Translation => {
+                " (each weighing |<i>D</i>| / |<i>D</i> ∩ (<i>D</i> + <i>h</i>)|, <i>h</i> being the vector between the points)"
+            }
+        };
+        let caption = format!(
+            "<i>g</i>(<i>r</i>) = |<i>D</i>| ∑<sub><i>k</i></sub> <i>c<sub>k</sub></i> / \
+             (<i>v</i> ∑<sub><i>k</i></sub> {pairs}): <i>c<sub>k</sub></i> ordered pairs{weights} of realization <i>k</i> at \
+             distance <i>r</i> ± half a bin, over the number expected of independent points, with <i>v</i> the \
+             measure of the shell and |<i>D</i>| that of the domain; 1 means no correlation.{kernel}"
+        );
+        figure(html, svg, &caption);
+    }
+    if pictures.spectrum_radial.is_some() || pictures.spectrum.is_some() {
+        html.push_str("<h2>Power spectrum</h2>\n");
+    }
+    let definition = "<i>P</i>(<b>m</b>) = ∑<sub><i>k</i></sub> \
+        |∑<sub><i>j</i></sub> exp(−2π<i>i</i> <b>m</b>·<b>x</b><sub><i>j</i></sub>/<i>L</i>)|<sup>2</sup> / \
+        ∑<sub><i>k</i></sub> <i>n<sub>k</sub></i>";
+    if let Some(svg) = &pictures.spectrum_radial {
+        let caption = format!(
+            "{definition}, averaged over the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency \
+             left out; 1 is the level of independent points."
+        );
+        figure(html, svg, &caption);
+    }
+    if let Some(svg) = &pictures.anisotropy {
+        let caption = "10 log<sub>10</sub>(<i>s</i><sup>2</sup> / <i>P</i>(<i>ν</i>)<sup>2</sup>) in dB, with \
+             <i>s</i><sup>2</sup> the variance of <i>P</i>(<b>m</b>) over the independent modes of a ring; an isotropic \
+             spectrum averaged over <i>K</i> realizations scatters around −10 log<sub>10</sub> <i>K</i>.";
+        figure(html, svg, caption);
+    }
+    if let Some(image) = &pictures.spectrum {
+        let data = base64::engine::general_purpose::STANDARD.encode(&image.png);
+        let picture = format!(
+            "<img alt=\"Power spectrum on the frequency grid\" width=\"{}\" height=\"{}\" \
+             src=\"data:image/png;base64,{data}\">",
+            image.width, image.height
+        );
+        let caption =
+            format!("{definition} on the frequency grid: {}. Tone map: {}.", escape(&image.caption), escape(TONE_MAP));
+        figure(html, &picture, &caption);
+    }
+    if let Some(svg) = &pictures.points {
+        html.push_str("<h2>Points</h2>\n");
+        figure(html, svg, &format!("The {}.", escape(&points_picture::caption(a))));
+    }
+}
+
+fn errors(html: &mut String, a: &Analysis) {
+    let mut rows: Vec<(String, String)> = Vec::new();
+    let across = |what: &str| {
+        format!(
+            "standard error of {what} across the {} realizations (of a ratio of sums, where <i>n</i> varies)",
+            a.shape.realizations
+        )
+    };
+    if let Some(pcf) = &a.pair_correlation {
+        let text = match pcf.errors {
+            ErrorSource::AcrossRealizations => across("each bin's <i>g</i>"),
+            ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
+        };
+        rows.push(("<i>g</i>(<i>r</i>)".into(), text));
+    }
+    if a.kernel.is_some() {
+        rows.push(("kernel estimate".into(), "theory: as if all pairs were independent (Poisson)".into()));
+    }
+    if let Some(radial) = &a.radial {
+        let text = match radial.errors {
+            ErrorSource::AcrossRealizations => across("each ring's mean of <i>P</i>"),
+            ErrorSource::Theory => {
+                "theory, for a single realization: independent exponential ordinates, <i>P</i> / √(independent modes)"
+                    .into()
+            }
+        };
+        rows.push(("<i>P</i>(<i>ν</i>)".into(), text));
+        rows.push((
+            "anisotropy".into(),
+            "theory: the scatter of an isotropic spectrum with the ring's number of independent modes".into(),
+        ));
+    }
+    if a.neighbors.as_ref().is_some_and(|n| n.mean_se.is_some()) {
+        rows.push(("mean nearest-neighbour distance".into(), across("the realization's mean")));
+    }
+    if !rows.is_empty() {
+        html.push_str("<h2>Error bars</h2>\n<p>All are one standard error.</p>\n");
+        table(html, &rows);
+    }
+}

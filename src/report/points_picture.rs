@@ -1,0 +1,110 @@
+//! `points.svg`: the first realization, true to scale.
+
+use std::fmt::Write as _;
+
+use plotters::prelude::*;
+
+use super::figure::{BLUE, WIDTH, fine, frame, heading, label, picture, thin, ticks};
+use super::text::human;
+use crate::analysis::Analysis;
+
+/// More points than this are a grey haze and a slow page: the first ones stand for all.
+pub(super) const MAX_POINTS: usize = 20_000;
+
+/// Longest side of the frame in px.
+const SIDE: f64 = 732.0;
+const TOP: f64 = 92.0;
+/// A strip's height in px, for one dimension.
+const STRIP: f64 = 60.0;
+
+/// What the picture shows, in words.
+pub(super) fn caption(analysis: &Analysis) -> String {
+    let n = if analysis.first.realizations() > 0 { analysis.first.points_in(0) } else { 0 };
+    let mut caption = if n > MAX_POINTS {
+        format!("first realization, first {MAX_POINTS} of {n} points")
+    } else {
+        format!("first realization, {n} point{}", if n == 1 { "" } else { "s" })
+    };
+    if analysis.domain.dim() == 3 {
+        caption.push_str(", projected along z onto the x-y plane");
+    }
+    caption.push_str(if analysis.domain.is_torus() { "; torus" } else { "; window" });
+    caption
+}
+
+/// Round numbers along an axis of `length` px, as many as have room: none on a sliver.
+fn labels(range: &std::ops::Range<f64>, length: f64) -> Vec<(f64, String)> {
+    let room = (length / 60.0).floor().min(5.0) as u32;
+    if room == 0 { Vec::new() } else { ticks(range, room) }
+}
+
+/// The picture.
+pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
+    let domain = &analysis.domain;
+    let (side_x, side_y) = (domain.sides()[0], domain.sides().get(1).copied());
+    let longest = side_x.max(side_y.unwrap_or(0.0));
+    let px = SIDE / longest;
+    // Domains may be a million times longer than wide; a frame of 2 px still shows.
+    let width = (side_x * px).max(2.0);
+    let height = side_y.map_or(STRIP, |s| (s * px).max(2.0));
+    let left = 0.5 * (f64::from(WIDTH) - width);
+    let canvas_height = (TOP + height + 64.0).ceil() as u32;
+
+    let n = if analysis.first.realizations() > 0 { analysis.first.points_in(0) } else { 0 };
+    let shown = n.min(MAX_POINTS);
+    // A fifth of the mean spacing apart at most, so that dots of a regular pattern never touch.
+    let spacing = (width * height / shown.max(1) as f64).sqrt();
+    let radius = (0.16 * spacing).clamp(0.5, 3.5);
+
+    // One path for all points: a round cap on a line of no length is a dot.
+    let mut dots = String::new();
+    for j in 0..shown {
+        let position = analysis.first.position(0, j);
+        let x = left + (position[0] - domain.origin()[0]) / side_x * width;
+        let _ = match side_y {
+            Some(side) => {
+                let y = TOP + (1.0 - (position[1] - domain.origin()[1]) / side) * height;
+                write!(dots, "M{x:.2} {y:.2}h0")
+            }
+            None => write!(dots, "M{x:.2} {:.2}v{:.2}", TOP + 0.15 * height, 0.7 * height),
+        };
+    }
+    let mut overlay = heading("Points", &analysis.subject, &caption(analysis));
+    let stroke = if side_y.is_some() { 2.0 * radius } else { (0.5 * width / shown.max(1) as f64).clamp(0.3, 1.5) };
+    let cap = if side_y.is_some() { "round" } else { "butt" };
+    let color = format!("#{:02x}{:02x}{:02x}", BLUE.0, BLUE.1, BLUE.2);
+    if shown > 0 {
+        let _ = writeln!(
+            overlay,
+            r#"<path d="{dots}" stroke="{color}" stroke-width="{stroke:.2}" stroke-linecap="{cap}" fill="none"/>"#
+        );
+    }
+    let mut marks = Vec::new();
+    let x_range = domain.origin()[0]..domain.origin()[0] + side_x;
+    for (t, text) in labels(&x_range, width) {
+        let x = left + (t - x_range.start) / side_x * width;
+        label(&mut overlay, x, TOP + height + 20.0, "middle", &text);
+        marks.push([(x, TOP + height), (x, TOP + height + 5.0)]);
+    }
+    label(&mut overlay, left + 0.5 * width, TOP + height + 44.0, "middle", "x (length units)");
+    if let Some(side) = side_y {
+        let y_range = domain.origin()[1]..domain.origin()[1] + side;
+        for (t, text) in labels(&y_range, height) {
+            let y = TOP + (1.0 - (t - y_range.start) / side) * height;
+            label(&mut overlay, left - 9.0, y + 4.5, "end", &text);
+            marks.push([(left - 5.0, y), (left, y)]);
+        }
+        let _ =
+            writeln!(overlay, r#"<g transform="translate({:.1} {:.1}) rotate(-90)">"#, left - 56.0, TOP + 0.5 * height);
+        label(&mut overlay, 0.0, 0.0, "middle", "y (length units)");
+        overlay.push_str("</g>\n");
+    }
+    let description = format!("Points. {}. {}, n = {}", analysis.subject, caption(analysis), human(n as f64));
+    picture((WIDTH, canvas_height), &super::text::escape(&description), &overlay, |root| {
+        root.draw(&frame((left, TOP), (left + width, TOP + height)))?;
+        for mark in marks {
+            root.draw(&PathElement::new(mark.map(|(x, y)| (fine(x), fine(y))), thin()))?;
+        }
+        Ok(())
+    })
+}

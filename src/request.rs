@@ -1,0 +1,161 @@
+//! What is asked for: one struct that the command line parses and the viewer edits. `analysis` turns it into plans.
+
+use std::path::PathBuf;
+
+use crate::compute::DeviceChoice;
+use crate::estimate::{Normalization, SmoothingKernel};
+use crate::plan::{Accuracy, BinScale, Correction};
+use crate::points::Boundary;
+use crate::points::read::RawLayout;
+
+/// A statistic of `--stats`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Statistic {
+    /// Pair correlation function g(r).
+    Pcf,
+    /// Power spectrum P(m) on the grid, with its radial mean and anisotropy.
+    Spectrum,
+    /// Radial mean and anisotropy only.
+    Radial,
+    /// Nearest-neighbour distances.
+    Neighbors,
+}
+
+/// The points: files, or a sampler.
+#[derive(Debug, Clone, Default, clap::Args, serde::Serialize)]
+pub struct PointsRequest {
+    /// Point files or directories, one batch; `-` is stdin
+    #[arg(value_name = "FILES", conflicts_with = "sampler")]
+    pub files: Vec<PathBuf>,
+
+    /// Generate the points instead; `pairwave samplers` lists the names
+    #[arg(long, value_name = "NAME", requires = "points")]
+    pub sampler: Option<String>,
+
+    /// Points per realization (with --sampler)
+    #[arg(short = 'n', long = "points", value_name = "N")]
+    pub points: Option<u64>,
+
+    /// Number of realizations (with --sampler) [default: 1]
+    #[arg(short = 'k', long = "realizations", value_name = "K")]
+    pub realizations: Option<u64>,
+
+    /// Dimension, 1 to 3 (with --sampler) [default: 2]
+    #[arg(long, value_name = "D")]
+    pub dim: Option<usize>,
+
+    /// Seed (with --sampler) [default: 1]
+    #[arg(long)]
+    pub seed: Option<u64>,
+
+    /// A sampler's parameter; may be repeated
+    #[arg(long = "param", value_name = "KEY=VALUE")]
+    pub params: Vec<String>,
+
+    /// Read files as raw little-endian numbers, e.g. f32x2
+    #[arg(long, value_name = "TYPExD", conflicts_with = "sampler")]
+    #[serde(skip)]
+    pub raw: Option<RawLayout>,
+
+    /// What happens at the sides [default: torus; window with --window]
+    #[arg(long, value_enum)]
+    pub domain: Option<Boundary>,
+
+    /// Sides of the torus [default: 1 each]
+    #[arg(long = "box", value_name = "L1,L2[,L3]", value_delimiter = ',', allow_negative_numbers = true)]
+    pub sides: Option<Vec<f64>>,
+
+    /// The window the points were observed in
+    #[arg(
+        long,
+        value_name = "x0,x1,y0,y1[,z0,z1]",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with_all = ["sides", "sampler"]
+    )]
+    pub window: Option<Vec<f64>>,
+
+    /// Fold points outside the torus back in; without it they are an error
+    #[arg(long, conflicts_with = "window")]
+    pub wrap: bool,
+}
+
+/// What to measure, and how.
+#[derive(Debug, Clone, clap::Args, serde::Serialize)]
+pub struct Request {
+    /// The points.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub input: PointsRequest,
+
+    /// Statistics to compute
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "pcf,spectrum,neighbors", value_name = "LIST")]
+    pub stats: Vec<Statistic>,
+
+    /// Largest distance [default: 8 closest-packing distances, at most half the shortest side]
+    #[arg(long, value_name = "R", conflicts_with = "edges")]
+    pub r_max: Option<f64>,
+
+    /// Number of distance bins [default: 256]
+    #[arg(long, value_name = "B", conflicts_with = "edges")]
+    pub bins: Option<usize>,
+
+    /// Spacing of the bins; log covers three decades below r-max [default: linear]
+    #[arg(long, value_enum, conflicts_with = "edges")]
+    pub bin_scale: Option<BinScale>,
+
+    /// Bin edges, one number per line or separated by blanks or commas
+    #[arg(long, value_name = "FILE")]
+    pub edges: Option<PathBuf>,
+
+    /// Also smooth g with this kernel
+    #[arg(long, value_enum)]
+    pub kernel: Option<SmoothingKernel>,
+
+    /// Standard deviation of the kernel [default: Stoyan's rule, 0.15 / sqrt(5 lambda) in 2D]
+    #[arg(long, value_name = "SD", requires = "kernel")]
+    pub bandwidth: Option<f64>,
+
+    /// Edge correction [default: translation in a window, none on a torus]
+    #[arg(long, value_enum)]
+    pub correction: Option<Correction>,
+
+    /// What pairs are divided by: n(n-1) or n^2
+    #[arg(long, value_enum, default_value = "pairs")]
+    pub normalization: Normalization,
+
+    /// Largest frequency, for all axes or per axis [default: ceil(5 n^(1/d))]
+    #[arg(long, value_name = "F[,F2[,F3]]", value_delimiter = ',')]
+    pub max_frequency: Option<Vec<u32>>,
+
+    /// auto, cpu, gpu, reference, or an index of `pairwave devices`
+    #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu|reference|INDEX")]
+    pub device: DeviceChoice,
+
+    /// The promise about P (pair counts are exact either way)
+    #[arg(long, value_enum, default_value = "fast")]
+    pub accuracy: Accuracy,
+
+    /// Threads of the CPU path [default: one per core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<usize>,
+}
+
+impl Request {
+    /// The settings as (name, value), unset ones left out, in the order of the help.
+    pub fn parameters(&self) -> Vec<(String, String)> {
+        let Ok(serde_json::Value::Object(map)) = serde_json::to_value(self) else { return Vec::new() };
+        let text = |value: &serde_json::Value| match value {
+            serde_json::Value::Null => None,
+            serde_json::Value::String(text) => Some(text.clone()),
+            serde_json::Value::Array(items) if items.is_empty() => None,
+            serde_json::Value::Array(items) => {
+                let items = items.iter().map(|i| i.as_str().map_or_else(|| i.to_string(), str::to_string));
+                Some(items.collect::<Vec<_>>().join(","))
+            }
+            other => Some(other.to_string()),
+        };
+        map.iter().filter_map(|(name, value)| Some((name.replace('_', "-"), text(value)?))).collect()
+    }
+}

@@ -1,0 +1,209 @@
+//! Where the points come from: files, read once, or a sampler, drawn batch by batch.
+
+use std::ops::Range;
+
+use crate::compute::Control;
+use crate::error::{Error, Result};
+use crate::plan::EnsembleShape;
+use crate::points::read::{ReadOptions, read_all};
+use crate::points::{Boundary, Domain, Ensemble, RawPoints};
+use crate::request::PointsRequest;
+use crate::samplers::{self, ParameterValues, Sampler};
+
+/// A sampler with everything that determines its realizations.
+pub struct Process {
+    /// The sampler.
+    pub sampler: &'static dyn Sampler,
+    /// Its parameters.
+    pub values: ParameterValues,
+    /// Points per realization, expected where the sampler draws it.
+    pub n: u64,
+    /// Number of realizations.
+    pub realizations: u64,
+    /// Dimension.
+    pub dim: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Process {
+    /// Checks the name, the parameters and n.
+    pub fn new(name: &str, n: u64, realizations: u64, dim: usize, seed: u64, params: &[String]) -> Result<Self> {
+        let sampler = samplers::find(name)?;
+        let values = ParameterValues::parse(sampler, params)?;
+        sampler.check(n, dim, &values)?;
+        if realizations == 0 {
+            return Err(Error::setting("-k", 0, "expected at least 1 realization"));
+        }
+        Ok(Self { sampler, values, n, realizations, dim, seed })
+    }
+
+    /// Realization `index`, on the unit torus.
+    pub fn realization(&self, index: u64) -> Result<RawPoints> {
+        let which = samplers::Realization { n: self.n, dim: self.dim, seed: self.seed, index };
+        let coordinates = self.sampler.generate(&which, &self.values)?;
+        let source = format!("{}, realization {index}", self.sampler.name());
+        Ok(RawPoints { dim: self.dim, coordinates, source, lines: Vec::new() })
+    }
+
+    /// Closed form of g on the unit torus, normalized by n (n - 1).
+    pub fn pair_correlation(&self, r: f64) -> Option<f64> {
+        self.sampler.pair_correlation(self.n, self.dim, r, &self.values)
+    }
+
+    /// Closed form of P at `m != 0`.
+    pub fn power(&self, m: [i32; 3]) -> Option<f64> {
+        self.sampler.power(self.n, m, self.dim, &self.values)
+    }
+}
+
+/// The points of one request.
+pub struct Source {
+    subject: String,
+    domain: Domain,
+    kind: Kind,
+}
+
+enum Kind {
+    Loaded(Ensemble),
+    Process(Process),
+}
+
+impl Source {
+    /// Reads the files, or prepares the sampler; resolves the domain.
+    pub fn open(request: &PointsRequest) -> Result<Self> {
+        if let Some(name) = &request.sampler {
+            let n = request.points.ok_or_else(|| Error::setting("-n", "(none)", "--sampler needs -n N"))?;
+            let (k, dim) = (request.realizations.unwrap_or(1), request.dim.unwrap_or(2));
+            let seed = request.seed.unwrap_or(1);
+            let process = Process::new(name, n, k, dim, seed, &request.params)?;
+            if request.domain == Some(Boundary::Window) {
+                return Err(Error::setting("--domain", "window", "samplers fill a torus; a window needs files"));
+            }
+            let domain = domain(request, dim)?;
+            let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
+            return Ok(Self { subject, domain, kind: Kind::Process(process) });
+        }
+        only_for_samplers(request)?;
+        if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
+            return Err(Error::setting("--window", list(window), "expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"));
+        }
+        if request.files.is_empty() {
+            return Err(Error::setting("FILES", "(none)", "expected point files, or --sampler NAME -n N"));
+        }
+        let raw = read_all(&request.files, &ReadOptions { dim: dim_of_flags(request), raw: request.raw })?;
+        let first = raw.first().ok_or_else(|| Error::input("points", "the files hold no realizations"))?;
+        let domain = domain(request, first.dim)?;
+        let ensemble = Ensemble::from_raw(&raw, &domain, request.wrap, 0)?;
+        let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
+        let subject = match names.as_slice() {
+            [one] => one.clone(),
+            [one, ..] => format!("{one} and {} more", names.len() - 1),
+            [] => String::new(),
+        };
+        Ok(Self { subject, domain, kind: Kind::Loaded(ensemble) })
+    }
+
+    /// What this is, in words.
+    pub fn subject(&self) -> &str {
+        &self.subject
+    }
+
+    /// The domain.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// The sampler, if the points come from one.
+    pub fn process(&self) -> Option<&Process> {
+        match &self.kind {
+            Kind::Process(process) => Some(process),
+            Kind::Loaded(_) => None,
+        }
+    }
+
+    /// Number and size of realizations.
+    pub fn shape(&self) -> EnsembleShape {
+        match &self.kind {
+            Kind::Loaded(ensemble) => {
+                let k = ensemble.realizations();
+                EnsembleShape {
+                    realizations: k as u64,
+                    mean_points: ensemble.total_points() as f64 / k as f64,
+                    max_points: (0..k).map(|k| ensemble.points_in(k) as u64).max().unwrap_or(0),
+                }
+            }
+            Kind::Process(p) => {
+                // A drawn n rarely strays far from its mean; the budget of a batch is no sharper than that.
+                let max_points = if p.sampler.fixed_n() { p.n } else { 2 * p.n + 16 };
+                EnsembleShape { realizations: p.realizations, mean_points: p.n as f64, max_points }
+            }
+        }
+    }
+
+    /// Realizations `range`.
+    pub fn batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
+        match &self.kind {
+            Kind::Loaded(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),
+            Kind::Process(p) => {
+                let on_unit = samplers::ensemble(p.sampler, p.n, p.dim, p.seed, range, &p.values, control)?;
+                Ok(on_unit.stretched(&self.domain))
+            }
+        }
+    }
+}
+
+/// Files hold their own points; what shapes a sampler's would be silently ignored.
+fn only_for_samplers(request: &PointsRequest) -> Result<()> {
+    let text = |value: Option<String>| value.filter(|v| !v.is_empty());
+    let given = [
+        ("-n", text(request.points.map(|n| n.to_string()))),
+        ("-k", text(request.realizations.map(|k| k.to_string()))),
+        ("--dim", text(request.dim.map(|d| d.to_string()))),
+        ("--seed", text(request.seed.map(|s| s.to_string()))),
+        ("--param", text(Some(request.params.join(" ")))),
+    ];
+    match given.into_iter().find_map(|(flag, value)| Some((flag, value?))) {
+        Some((flag, value)) => Err(Error::setting(flag, value, "applies to --sampler NAME only, not to point files")),
+        None => Ok(()),
+    }
+}
+
+/// The number of axes that `--box` or `--window` fix.
+fn dim_of_flags(request: &PointsRequest) -> Option<usize> {
+    let window = request.window.as_ref().map(|w| w.len() / 2);
+    request.sides.as_ref().map(Vec::len).or(window)
+}
+
+/// The domain of the flags, for points with `dim` coordinates.
+fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
+    if let Some(window) = &request.window {
+        if request.domain == Some(Boundary::Torus) {
+            return Err(Error::setting("--window", list(window), "contradicts --domain torus; --box sets its sides"));
+        }
+        if window.len() != 2 * dim {
+            let reason = format!("expected {} numbers for points with {dim} coordinates", 2 * dim);
+            return Err(Error::setting("--window", list(window), reason));
+        }
+        return Domain::window(&window.chunks_exact(2).map(|r| (r[0], r[1])).collect::<Vec<_>>());
+    }
+    if request.domain == Some(Boundary::Window) {
+        return Err(Error::setting(
+            "--domain",
+            "window",
+            "needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+        ));
+    }
+    match &request.sides {
+        Some(sides) if sides.len() != dim => {
+            let reason = format!("expected {dim} sides for points with {dim} coordinates");
+            Err(Error::setting("--box", list(sides), reason))
+        }
+        Some(sides) => Domain::torus(sides),
+        None => Ok(Domain::unit_torus(dim)),
+    }
+}
+
+fn list(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+}

@@ -1,0 +1,244 @@
+//! The bottom of the chain of trust: the reference against hand-worked cases, closed forms, and rustfft on points that
+//! sit on a grid. Trusts nothing but arithmetic; cannot see an error that reference and closed form share.
+
+mod common;
+
+use common::*;
+use pairwave::estimate::{Normalization, PairCorrelation, PowerSpectrum};
+use pairwave::plan::{Accuracy, Correction, RadialBins, WaveGrid};
+use pairwave::points::{Domain, Ensemble, RawPoints};
+
+fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {
+    let ensemble = ensemble(&[points]);
+    let bins = RadialBins::from_edges(edges.to_vec()).unwrap();
+    reference_counts(&pair_plan(&ensemble, bins, Correction::None), &ensemble).counts
+}
+
+/// `|s_m|^2` of one realization by the reference, at any m of the grid.
+fn power(points: RawPoints, max_frequency: &[u32]) -> (WaveGrid, Vec<f64>) {
+    let ensemble = ensemble(&[points]);
+    let plan = wave_plan(&ensemble, max_frequency, Accuracy::High);
+    (plan.grid, reference_power(&plan, &ensemble).totals().0.q)
+}
+
+#[test]
+fn one_two_and_three_points_by_hand() {
+    let edges = [0.0, 0.125, 0.25, 0.375, 0.5];
+    assert_eq!(counts(raw(2, vec![0.5, 0.5]), &edges), [0; 4], "one point has no pairs");
+    // Across the corner of the torus: dx = dy = 1/8, r = 0.1768.
+    let corner = vec![0.0625, 0.0625, 0.9375, 0.9375];
+    assert_eq!(counts(raw(2, corner), &edges), [0, 2, 0, 0], "one pair, counted from both ends");
+    // Distances 1/4 (an edge: it belongs to the bin above), 1/8 + 1/4 = 3/8 across the side, and 3/8.
+    let three = vec![0.0, 0.0, 0.25, 0.0, 0.625, 0.0];
+    assert_eq!(counts(raw(2, three), &edges), [0, 0, 2, 4], "half-open bins: edges belong above");
+    // 3D: the Pythagorean quadruple 1, 2, 2 -> 3, in sixteenths: r = 3/16.
+    let quadruple = vec![0.0, 0.0, 0.0, 0.0625, 0.125, 0.125];
+    assert_eq!(counts(raw(3, quadruple.clone()), &[0.0, 0.1875, 0.5]), [0, 2]);
+    assert_eq!(counts(raw(3, quadruple), &[0.0, 0.187_500_000_000_000_03, 0.5]), [2, 0]);
+    // The same place twice: r = 0 belongs to the first bin.
+    assert_eq!(counts(raw(1, vec![0.3, 0.3]), &edges), [2, 0, 0, 0]);
+}
+
+#[test]
+fn spectra_of_one_two_and_three_points_by_hand() {
+    let (_, q) = power(raw(2, vec![0.3, 0.7]), &[3, 2]);
+    assert!(q.iter().all(|q| (q - 1.0).abs() < 1e-14), "one point: |s|^2 = 1 everywhere");
+    // Two points 1/4 apart along x: |s|^2 = 2 + 2 cos(pi m / 2).
+    let (grid, q) = power(raw(2, vec![0.0, 0.0, 0.25, 0.0]), &[4, 1]);
+    for (index, q) in q.iter().enumerate() {
+        let expected = [4.0, 2.0, 0.0, 2.0][grid.mode(index)[0] as usize % 4];
+        assert!((q - expected).abs() < 1e-14, "m = {:?}: {q}, not {expected}", grid.mode(index));
+    }
+    // Three points at thirds: 9 where 3 divides m, else 0. Thirds are rounded to 2^-64, phases with them.
+    let (grid, q) = power(raw(1, vec![0.0, 1.0 / 3.0, 2.0 / 3.0]), &[9]);
+    for (index, q) in q.iter().enumerate() {
+        let expected = if grid.mode(index)[0] % 3 == 0 { 9.0 } else { 0.0 };
+        assert!((q - expected).abs() < 1e-12, "m = {:?}: {q}", grid.mode(index));
+    }
+}
+
+#[test]
+fn lattice_counts_by_hand() {
+    // Each point of a 10 x 10 lattice has 4 neighbours at 0.1, 4 at 0.1414, 4 at 0.2, 8 at 0.2236, 4 at 0.2828.
+    let edges = [0.05, 0.12, 0.15, 0.21, 0.25, 0.29];
+    assert_eq!(counts(lattice(2, 10), &edges), [400, 400, 400, 800, 400]);
+    // 1D, dyadic so that 1/2 is exactly 1/2: it is outside [0, 1/2).
+    let all: u64 = counts(lattice(1, 8), &[0.0, 0.5]).iter().sum();
+    assert_eq!(all, 8 * 6, "each point sees all others but the antipodal one");
+}
+
+#[test]
+fn rustfft_agrees_on_grid_points() {
+    use rustfft::{FftPlanner, num_complex::Complex};
+    let (size, n) = (64usize, 500);
+    let mut rng = Rng(11);
+    let sites: Vec<(usize, usize)> =
+        (0..n).map(|_| ((rng.unit() * size as f64) as usize, (rng.unit() * size as f64) as usize)).collect();
+    let mut field = vec![Complex::new(0.0f64, 0.0); size * size];
+    for &(x, y) in &sites {
+        field[x * size + y].re += 1.0;
+    }
+    let fft = FftPlanner::new().plan_fft_forward(size);
+    fft.process(&mut field);
+    let mut transposed: Vec<_> = (0..size * size).map(|i| field[i % size * size + i / size]).collect();
+    fft.process(&mut transposed);
+
+    let place = |i: usize| i as f64 / size as f64;
+    let points = raw(2, sites.iter().flat_map(|&(x, y)| [place(x), place(y)]).collect());
+    let (grid, q) = power(points, &[31, 31]);
+    for (index, q) in q.iter().enumerate() {
+        let m = grid.mode(index);
+        let wrap = |m: i32| m.rem_euclid(size as i32) as usize;
+        let opinion = transposed[wrap(m[1]) * size + wrap(m[0])].norm_sqr();
+        assert!((q - opinion).abs() <= 1e-9 * (1.0 + opinion), "m = {m:?}: {q} against rustfft's {opinion}");
+    }
+}
+
+#[test]
+fn rank_1_lattice_is_n_on_its_dual_and_0_elsewhere() {
+    let (n, z) = (610, 377);
+    let (grid, q) = power(rank1(n, z), &[40, 40]);
+    for (index, q) in q.iter().enumerate() {
+        let m = grid.mode(index);
+        let dual = (i64::from(m[0]) + i64::from(m[1]) * z as i64).rem_euclid(n as i64) == 0;
+        let expected = if dual { (n * n) as f64 } else { 0.0 };
+        assert!((q - expected).abs() <= 1e-20 + 1e-12 * expected, "m = {m:?}: {q}, not {expected}");
+    }
+}
+
+/// `sinc(t) = sin(pi t) / (pi t)`.
+fn sinc(t: f64) -> f64 {
+    if t == 0.0 { 1.0 } else { (std::f64::consts::PI * t).sin() / (std::f64::consts::PI * t) }
+}
+
+/// `k x k` strata with one uniform point each.
+fn jittered(k: usize, seed: u64) -> RawPoints {
+    let mut rng = Rng(seed);
+    let cell = |i: usize, rng: &mut Rng| (i as f64 + rng.unit()) / k as f64;
+    raw(2, (0..k * k).flat_map(|j| [cell(j % k, &mut rng), cell(j / k, &mut rng)]).collect())
+}
+
+/// A Latin hypercube: one point in each of n rows and n columns.
+fn latin_hypercube(n: usize, seed: u64) -> RawPoints {
+    let mut rng = Rng(seed);
+    let mut columns: Vec<usize> = (0..n).collect();
+    for i in (1..n).rev() {
+        columns.swap(i, (rng.unit() * (i + 1) as f64) as usize);
+    }
+    let cell = |i: usize, rng: &mut Rng| (i as f64 + rng.unit()) / n as f64;
+    raw(2, (0..n).flat_map(|i| [cell(i, &mut rng), cell(columns[i], &mut rng)]).collect())
+}
+
+/// Asserts that deviations in standard errors look like standard errors: mean square near 1, none absurd.
+fn assert_standard(name: &str, deviations: &[f64]) {
+    let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / deviations.len() as f64;
+    let worst = deviations.iter().fold(0f64, |w, z| w.max(z.abs()));
+    println!("{name}: mean square {mean_square:.3} of {} deviations, worst {worst:.2}", deviations.len());
+    assert!((0.6..1.5).contains(&mean_square) && worst < 6.0, "{name}: mean square {mean_square}, worst {worst}");
+}
+
+fn power_deviations(sets: &[RawPoints], max_frequency: u32, theory: impl Fn([i32; 3]) -> f64) -> Vec<f64> {
+    let ensemble = ensemble(sets);
+    let plan = wave_plan(&ensemble, &[max_frequency; 2], Accuracy::High);
+    let spectrum = PowerSpectrum::new(&plan, &reference_power(&plan, &ensemble));
+    (plan.grid.dc() + 1..plan.grid.half_len())
+        .map(|i| (spectrum.p[i] - theory(plan.grid.mode(i))) / spectrum.p_se[i])
+        .collect()
+}
+
+#[test]
+fn jittered_power_is_its_closed_form() {
+    let k = 8;
+    let sets: Vec<_> = (0..300).map(|i| jittered(k, 100 + i)).collect();
+    let theory = |m: [i32; 3]| 1.0 - (sinc(f64::from(m[0]) / k as f64) * sinc(f64::from(m[1]) / k as f64)).powi(2);
+    assert_standard("jittered P", &power_deviations(&sets, 10, theory));
+}
+
+#[test]
+fn latin_hypercube_power_is_its_closed_form() {
+    let n = 40;
+    let sets: Vec<_> = (0..400).map(|i| latin_hypercube(n, 500 + i)).collect();
+    let s = |m: i32| sinc(f64::from(m) / n as f64).powi(2);
+    let theory = |m: [i32; 3]| match (m[0], m[1]) {
+        (0, m) | (m, 0) => 1.0 - s(m),
+        (a, b) => 1.0 + s(a) * s(b) / (n as f64 - 1.0),
+    };
+    assert_standard("LHS P", &power_deviations(&sets, 8, theory));
+}
+
+#[test]
+fn jittered_pair_correlation_is_its_closed_form() {
+    // Isotropic mean of 1 - (1 - |x|)(1 - |y|) over a circle of radius rho = k r, integrated over the bin with its
+    // measure; normalized by n^2, as the closed form is.
+    let k = 8usize;
+    let sets: Vec<_> = (0..300).map(|i| jittered(k, 900 + i)).collect();
+    let ensemble = ensemble(&sets);
+    let bins = RadialBins::linear(0.25, 40).unwrap();
+    let plan = pair_plan(&ensemble, bins.clone(), Correction::None);
+    let g = PairCorrelation::new(&plan, &reference_counts(&plan, &ensemble), Normalization::Intensity);
+    let theory = |rho: f64| {
+        let steps = 400;
+        let mean_overlap: f64 = (0..steps)
+            .map(|i| {
+                let angle = (f64::from(i) + 0.5) / f64::from(steps) * std::f64::consts::FRAC_PI_2;
+                (1.0 - rho * angle.cos()).max(0.0) * (1.0 - rho * angle.sin()).max(0.0)
+            })
+            .sum::<f64>()
+            / f64::from(steps);
+        1.0 - mean_overlap
+    };
+    let in_bin = |b: usize| {
+        let (lo, hi) = (bins.edges()[b], bins.edges()[b + 1]);
+        let steps = 20;
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for i in 0..steps {
+            let r = lo + (hi - lo) * (f64::from(i) + 0.5) / f64::from(steps);
+            sum += r * theory(k as f64 * r);
+            weight += r;
+        }
+        sum / weight
+    };
+    let deviations: Vec<f64> =
+        (0..bins.len()).filter(|&b| g.count[b] > 50).map(|b| (g.g[b] - in_bin(b)) / g.g_se[b]).collect();
+    assert_standard("jittered g", &deviations);
+}
+
+#[test]
+fn independent_points_have_g_1_and_p_1() {
+    for dim in 1..=3 {
+        let sets: Vec<_> = (0..60).map(|i| uniform(dim, 60, 7000 + i)).collect();
+        let ensemble = ensemble(&sets);
+        let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 25).unwrap(), Correction::None);
+        let sums = reference_counts(&plan, &ensemble);
+        let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
+        let deviations: Vec<f64> = (0..25).filter(|&b| g.count[b] > 50).map(|b| (g.g[b] - 1.0) / g.g_se[b]).collect();
+        assert_standard(&format!("random g, {dim}D"), &deviations);
+        let intensity = PairCorrelation::new(&plan, &sums, Normalization::Intensity);
+        assert!(
+            g.g.iter().zip(&intensity.g).all(|(a, b)| (b / a - 59.0 / 60.0).abs() < 1e-12),
+            "n^2 instead of n(n-1): smaller by (n-1)/n"
+        );
+        let max_frequency = [40, 6, 3][dim - 1];
+        let plan = wave_plan(&ensemble, &vec![max_frequency; dim], Accuracy::High);
+        let spectrum = PowerSpectrum::new(&plan, &reference_power(&plan, &ensemble));
+        let deviations: Vec<f64> =
+            (plan.grid.dc() + 1..plan.grid.half_len()).map(|i| (spectrum.p[i] - 1.0) / spectrum.p_se[i]).collect();
+        assert_standard(&format!("random P, {dim}D"), &deviations);
+    }
+}
+
+#[test]
+fn translation_weights_by_hand() {
+    // Window 2 x 1, points (0.5, 0.5) and (1.0, 0.75): weight (2 * 1) / ((2 - 0.5) (1 - 0.25)) = 16/9 for both orders.
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let ensemble = Ensemble::from_raw(&[raw(2, vec![0.5, 0.5, 1.0, 0.75])], &window, false, 0).unwrap();
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.8, 2).unwrap(), Correction::Translation);
+    let sums = reference_counts(&plan, &ensemble);
+    assert_eq!(sums.counts, [0, 2]);
+    let steps = (16.0 / 9.0 * 2f64.powi(32)).round_ties_even() as u128;
+    assert_eq!(sums.weights, Some(vec![0, 2 * steps]));
+    let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
+    let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
+    let expected = 2.0 * (2.0 * 16.0 / 9.0) / (2.0 * ring);
+    assert!((g.g[1] - expected).abs() < 1e-9, "{} against {expected}", g.g[1]);
+}

@@ -1,0 +1,576 @@
+//! The report stage: an `Analysis` in, files out.
+//!
+//! Trusts the reference sums and the estimates (their own tests judge them). Proves which files appear, that tables and
+//! grids read back as the very numbers of the analysis, that JSON, SVG and PNG are well-formed whatever the numbers and
+//! names are, and that files appear whole or not at all. It cannot see whether a picture is beautiful: with
+//! `PAIRWAVE_GALLERY=DIR` the scenes are larger and are left in DIR for a person to look at.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use common::*;
+use pairwave::Error;
+use pairwave::analysis::{Analysis, ClosedForm};
+use pairwave::compute::{Backend, ComputedBy};
+use pairwave::estimate::{
+    Kernel, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    SmoothingKernel,
+};
+use pairwave::plan::{Accuracy, Correction, RadialBins, Rings, WaveGrid};
+use pairwave::points::{Domain, Ensemble, RawPoints};
+use pairwave::report;
+
+/// The stages after compute, for points in `domain`.
+fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins, f: &[u32]) -> Analysis {
+    let ensemble = Ensemble::from_raw(sets, domain, true, 0).unwrap();
+    let shape = shape(&ensemble);
+    let correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
+    let pair_plan = pair_plan(&ensemble, bins, correction);
+    let counts = reference_counts(&pair_plan, &ensemble);
+    let wave_plan = wave_plan(&ensemble, f, Accuracy::High);
+    let power = reference_power(&wave_plan, &ensemble);
+    let spectrum = PowerSpectrum::new(&wave_plan, &power);
+    let radial = RadialSpectrum::new(&wave_plan, &power, &spectrum);
+    Analysis {
+        subject: subject.into(),
+        parameters: vec![("--seed".into(), "1".into()), ("command".into(), "pairwave analyze --out out".into())],
+        domain: domain.clone(),
+        shape,
+        min_points: (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).min().unwrap() as u64,
+        correction,
+        pair_correlation: Some(PairCorrelation::new(&pair_plan, &counts, Normalization::Pairs)),
+        kernel: None,
+        spectrum: Some(spectrum),
+        grid_wanted: true,
+        radial: Some(radial),
+        neighbors: Some(NeighborDistances {
+            minimum: Some(0.001_234),
+            mean: Some(0.020_5),
+            mean_se: Some(0.000_1),
+            minimum_relative: Some(0.036_7),
+            mean_relative: Some(0.61),
+        }),
+        closed_form: ClosedForm::default(),
+        accuracy: Accuracy::High,
+        computed_by: ComputedBy::new(Backend::Reference, "one core, f64 and exact integers"),
+        plan: format!("{pair_plan}{wave_plan}"),
+        timings: vec![("pair_counts", 0.25), ("wave_power", 1.5)],
+        duplicates: ensemble.duplicates(),
+        warnings: Vec::new(),
+        first: ensemble.slice(0..1),
+    }
+}
+
+/// One point in each cell of a k x k grid: P = 1 - sinc^2 sinc^2, g from the overlap of cells.
+fn jittered(k: usize, seed: u64) -> RawPoints {
+    let mut rng = Rng(seed);
+    let cells = (0..k * k).flat_map(|j| [j % k, j / k]);
+    raw(2, cells.map(|c| (c as f64 + rng.unit()) / k as f64).collect())
+}
+
+/// Mean of a function of m over every ring.
+fn ring_means(analysis: &Analysis, p: impl Fn([i32; 3]) -> f64) -> Vec<f64> {
+    let grid = analysis.spectrum.as_ref().unwrap().grid;
+    let rings = Rings::new(&grid, &analysis.domain);
+    let mut sums = vec![0.0; rings.count];
+    for i in 0..grid.half_len() {
+        if let Some(k) = (rings.ring_of[i] as usize).checked_sub(1) {
+            sums[k] += f64::from(grid.multiplicity(i)) * p(grid.mode(i));
+        }
+    }
+    sums.iter().zip(&rings.modes).map(|(s, &m)| s / m as f64).collect()
+}
+
+fn sinc_squared(x: f64) -> f64 {
+    let x = std::f64::consts::PI * x;
+    if x == 0.0 { 1.0 } else { (x.sin() / x).powi(2) }
+}
+
+/// Mean over directions of the probability that two points r apart share no cell, as a density ratio: g of jittered
+/// points is 1 - (triangle(x) triangle(y)) k^2 / n-normalization, triangles of half-width 1/k.
+fn jittered_g(k: usize, r: f64) -> f64 {
+    let n = (k * k) as f64;
+    let triangle = |x: f64| (1.0 - x.abs() * k as f64).max(0.0);
+    let mean = (0..720)
+        .map(|i| (f64::from(i) + 0.5) / 720.0 * std::f64::consts::TAU)
+        .map(|a| triangle(r * a.cos()) * triangle(r * a.sin()))
+        .sum::<f64>()
+        / 720.0;
+    (1.0 - mean) * n / (n - 1.0)
+}
+
+/// Dart throwing: no two points closer than `distance` on the unit torus.
+fn darts(n: usize, distance: f64, seed: u64) -> RawPoints {
+    let mut rng = Rng(seed);
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for _ in 0..n * 400 {
+        let p = [rng.unit(), rng.unit()];
+        let near = |q: &[f64; 2]| {
+            let d = |k: usize| ((p[k] - q[k]).abs()).min(1.0 - (p[k] - q[k]).abs());
+            d(0).powi(2) + d(1).powi(2) < distance * distance
+        };
+        if points.len() < n && !points.iter().any(near) {
+            points.push(p);
+        }
+    }
+    raw(2, points.concat())
+}
+
+fn gallery() -> Option<PathBuf> {
+    std::env::var_os("PAIRWAVE_GALLERY").map(PathBuf::from)
+}
+
+/// Every kind of input the pictures must cope with.
+fn scenes() -> Vec<(&'static str, Analysis)> {
+    let unit = Domain::unit_torus;
+    let large = gallery().is_some();
+    let side = if large { 24 } else { 8 };
+    let n = side * side;
+    let f = if large { 72 } else { 12 };
+    let r_max = |n: usize| (8.0 * unit(2).closest_packing_distance(n as f64)).min(0.5);
+    let linear = |r: f64, b: usize| RadialBins::linear(r, b).unwrap();
+    let mut scenes = Vec::new();
+
+    let sets: Vec<_> = (0..20).map(|k| jittered(side, 100 + k)).collect();
+    let subject = format!("sampler jittered, n {n}, K 20, seed 1");
+    let mut a = analyze(&subject, &unit(2), &sets, linear(r_max(n), 256), &[f, f]);
+    a.closed_form.name = "jittered".into();
+    a.closed_form.g = Some(a.pair_correlation.as_ref().unwrap().r.iter().map(|&r| jittered_g(side, r)).collect());
+    let s = side as f64;
+    a.closed_form.radial =
+        Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
+    let whole = ensemble(&sets);
+    let kernel = Kernel::new(SmoothingKernel::Epanechnikov, None, &unit(2), n as f64).unwrap();
+    let fine = pair_plan(&whole, kernel.fine_bins(r_max(n), &unit(2)).unwrap(), Correction::None);
+    let counts = reference_counts(&fine, &whole);
+    let r = a.pair_correlation.as_ref().unwrap().r.clone();
+    a.kernel = Some(KernelEstimate::new(kernel, &r, &fine, &counts, Normalization::Pairs));
+    scenes.push(("jittered", a));
+
+    let sets = [uniform(2, n, 5)];
+    scenes.push(("random K=1", analyze("sampler random, n 576, K 1", &unit(2), &sets, linear(r_max(n), 256), &[f, f])));
+
+    let sets: Vec<_> = (0..10).map(|k| darts(n, 0.75 * unit(2).closest_packing_distance(n as f64), k)).collect();
+    let subject = "plantation_with_a_rather_long_name/plot_0001.csv, plot_0002.csv, plot_0003.csv and 7 more files of \
+                   the same survey, 1987 to 2003";
+    let mut a = analyze(subject, &unit(2), &sets, linear(r_max(n), 256), &[f, f]);
+    a.warnings = vec!["3 points coincide with an earlier point of their realization".into()];
+    scenes.push(("darts", a));
+
+    let sets = [lattice(2, side), lattice(2, side)];
+    scenes.push(("lattice", analyze("lattice", &unit(2), &sets, linear(r_max(n), 256), &[f, f])));
+
+    let k = if large { 8 } else { 4 };
+    let sets: Vec<_> = (0..4).map(|s| uniform(3, k * k * k, s)).collect();
+    scenes.push(("uniform 3D", analyze("random 3D", &unit(3), &sets, linear(0.5, 64), &[2 * k as u32; 3])));
+
+    let sets: Vec<_> = (0..8).map(|s| uniform(1, 100, s)).collect();
+    scenes.push(("uniform 1D", analyze("random 1D", &unit(1), &sets, linear(0.04, 40), &[500])));
+
+    let window = Domain::window(&[(-100.0, 300.0), (50.0, 150.0)]).unwrap();
+    let stretch = |set: RawPoints| {
+        let xy = set.coordinates.chunks_exact(2).flat_map(|p| [400.0 * p[0] - 100.0, 100.0 * p[1] + 50.0]);
+        raw(2, xy.collect())
+    };
+    let sets = [300, 280, 341].map(|n| stretch(clustered(2, n, n as u64)));
+    let bins = RadialBins::logarithmic(0.01, 60.0, 40).unwrap();
+    scenes.push(("window log", analyze("trees <a & \"b\">.csv", &window, &sets, bins, &[40, 10])));
+
+    for (name, sides) in [("wide", [1e6, 1.0]), ("tall", [1.0, 900.0])] {
+        let domain = Domain::torus(&sides).unwrap();
+        let xy =
+            uniform(2, 50, 1).coordinates.chunks_exact(2).flat_map(|p| [p[0] * sides[0], p[1] * sides[1]]).collect();
+        scenes.push((name, analyze(name, &domain, &[raw(2, xy)], linear(0.5, 4), &[4, 4])));
+    }
+
+    let mut a = analyze("one bin, P = 0", &unit(2), &[uniform(2, 6, 1), uniform(2, 4, 2)], linear(0.5, 1), &[1, 1]);
+    zero(&mut a);
+    scenes.push(("one bin", a));
+
+    let mut a = analyze("one point", &unit(2), &[uniform(2, 1, 1)], linear(0.5, 8), &[3, 3]);
+    // 0/0, as the estimate documents it.
+    assert!(a.pair_correlation.as_ref().unwrap().g[0].is_nan());
+    a.neighbors = Some(NeighborDistances {
+        minimum: None,
+        mean: None,
+        mean_se: None,
+        minimum_relative: None,
+        mean_relative: None,
+    });
+    scenes.push(("one point", a));
+
+    let many = if large { 30_000 } else { 20_001 };
+    let mut a = analyze("sampler random, n 30000, K 1", &unit(2), &[uniform(2, 9, 1)], linear(0.5, 4), &[1, 1]);
+    a.first = ensemble(&[uniform(2, many, 1)]);
+    (a.min_points, a.shape.max_points, a.shape.mean_points) = (many as u64, many as u64, many as f64);
+    (a.pair_correlation, a.spectrum, a.radial) = (None, None, None);
+    scenes.push(("many points", a));
+    scenes
+}
+
+/// P = 0 everywhere, and with it no anisotropy.
+fn zero(a: &mut Analysis) {
+    let spectrum = a.spectrum.as_mut().unwrap();
+    spectrum.p.fill(0.0);
+    spectrum.p_se.fill(0.0);
+    for ring in &mut a.radial.as_mut().unwrap().rings {
+        (ring.p, ring.p_se, ring.anisotropy_db, ring.anisotropy_db_se) = (0.0, 0.0, None, None);
+    }
+}
+
+fn small() -> Analysis {
+    analyze("two small sets", &Domain::unit_torus(2), &[uniform(2, 9, 1), uniform(2, 7, 2)], bins(), &[3, 4])
+}
+
+fn bins() -> RadialBins {
+    RadialBins::linear(0.5, 16).unwrap()
+}
+
+fn listing(dir: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn json(dir: &Path) -> serde_json::Value {
+    serde_json::from_slice(&fs::read(dir.join("summary.json")).unwrap()).unwrap()
+}
+
+fn columns(path: &Path) -> (Vec<String>, BTreeMap<String, Vec<String>>) {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(String::from).collect();
+    let mut columns: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for record in reader.records() {
+        for (name, cell) in header.iter().zip(record.unwrap().iter()) {
+            columns.entry(name.clone()).or_default().push(cell.into());
+        }
+    }
+    (header, columns)
+}
+
+fn floats(cells: &[String]) -> Vec<f64> {
+    cells.iter().map(|c| c.parse().unwrap()).collect()
+}
+
+/// Pictures and page of every scene are well-formed, and nothing in them refers to the outside.
+#[test]
+fn every_scene_is_rendered() {
+    let temporary = tempfile::tempdir().unwrap();
+    let root = gallery().unwrap_or(temporary.path().into());
+    for (name, analysis) in scenes() {
+        let dir = root.join(name.replace([' ', '='], "-"));
+        let files = report::write(&dir, &analysis, true).unwrap();
+        assert!(files.iter().all(|f| f.is_file()), "{name}");
+        let summary = json(&dir);
+        assert_eq!(summary["subject"], analysis.subject.as_str(), "{name}");
+        for file in &files {
+            let bytes = fs::read(file).unwrap();
+            match file.extension().unwrap().to_str().unwrap() {
+                "svg" => {
+                    let svg = String::from_utf8(bytes).unwrap();
+                    let svg = roxmltree::Document::parse(&svg).unwrap();
+                    assert!(!svg.root_element().descendants().any(|n| n.attribute("href").is_some()), "{name}");
+                    for node in svg.descendants() {
+                        for a in node.attributes() {
+                            assert!(!a.value().contains("NaN") && !a.value().contains("inf"), "{name}: {a:?}");
+                        }
+                    }
+                }
+                "html" => page_is_self_contained(name, &String::from_utf8(bytes).unwrap()),
+                "json" | "csv" => {
+                    let text = String::from_utf8(bytes).unwrap();
+                    assert!(!text.contains("NaN") && !text.contains("inf,"), "{name}: {}", file.display());
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn page_is_self_contained(name: &str, page: &str) {
+    // The head is HTML (void elements); the body is written so that it is XML too, but for the image.
+    let body = page.split_once("<body>").unwrap().1.split_once("</body>").unwrap().0;
+    let body = body.replace("&nbsp;", " ");
+    let closed = match body.split_once("<img ") {
+        Some((before, rest)) => {
+            let (attributes, after) = rest.split_once('>').unwrap();
+            assert!(attributes.contains("src=\"data:image/png;base64,"), "{name}");
+            format!("{before}{after}")
+        }
+        None => body,
+    };
+    let parsed = format!("<body>{closed}</body>");
+    let body = roxmltree::Document::parse(&parsed).unwrap_or_else(|e| panic!("{name}: {e}"));
+    for node in body.descendants() {
+        let tag = node.tag_name().name();
+        assert!(!["script", "link", "iframe", "object", "img"].contains(&tag), "{name}: {tag}");
+        assert!(node.attribute("src").is_none() && node.attribute("href").is_none(), "{name}: {tag}");
+    }
+    assert!(!page.contains("@import") && !page.contains("url("), "{name}");
+}
+
+#[test]
+fn files_for_what_there_is() {
+    let root = tempfile::tempdir().unwrap();
+    let all = [
+        "anisotropy.svg",
+        "pcf.csv",
+        "pcf.svg",
+        "points.svg",
+        "report.html",
+        "spectrum.npy",
+        "spectrum.png",
+        "spectrum_radial.csv",
+        "spectrum_radial.svg",
+        "spectrum_se.npy",
+        "summary.json",
+    ];
+    let dir = root.path().join("a/b/out");
+    let files = report::write(&dir, &small(), false).unwrap();
+    assert_eq!(listing(&dir), all);
+    assert_eq!(files.len(), all.len());
+    assert_eq!(files.last().unwrap(), &dir.join("summary.json"));
+    assert_eq!(listing(dir.parent().unwrap()), ["out"]);
+
+    // K = 1: no file of errors; one dimension: no picture of the grid.
+    let one = analyze("1D", &Domain::unit_torus(1), &[uniform(1, 9, 1)], bins(), &[5]);
+    let dir = root.path().join("one");
+    report::write(&dir, &one, false).unwrap();
+    assert!(!listing(&dir).iter().any(|f| ["spectrum_se.npy", "spectrum.png", "anisotropy.svg"].contains(&f.as_str())));
+
+    let mut bare = small();
+    (bare.pair_correlation, bare.spectrum, bare.radial, bare.neighbors) = (None, None, None, None);
+    let dir = root.path().join("bare");
+    report::write(&dir, &bare, false).unwrap();
+    assert_eq!(listing(&dir), ["points.svg", "report.html", "summary.json"]);
+    for key in ["accuracy", "pair_correlation", "spectrum", "radial", "neighbors"] {
+        assert!(json(&dir)[key].is_null(), "{key}");
+    }
+}
+
+#[test]
+fn tables_read_back_as_the_same_numbers() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    let g = a.pair_correlation.as_mut().unwrap();
+    (g.g[0], g.g_se[0], g.g[1]) = (f64::NAN, f64::INFINITY, 1.0 / 3.0 * 1e-7);
+    let kernel = Kernel { shape: SmoothingKernel::Box, bandwidth: 0.01 };
+    let half: Vec<_> = (0..16).map(|b| (b >= 2).then_some(f64::from(b) / 3.0)).collect();
+    a.kernel = Some(KernelEstimate { kernel, r: g.r.clone(), g: half.clone(), g_se: half });
+    a.radial.as_mut().unwrap().rings[0].anisotropy_db = None;
+    report::write(root.path(), &a, false).unwrap();
+
+    let (header, c) = columns(&root.path().join("pcf.csv"));
+    assert_eq!(header, ["r_lo", "r", "r_hi", "count", "g", "g_se", "g_kernel", "g_kernel_se"]);
+    let g = a.pair_correlation.as_ref().unwrap();
+    for (name, values) in [("r_lo", &g.r_lo), ("r", &g.r), ("r_hi", &g.r_hi)] {
+        assert_eq!(&floats(&c[name]), values, "{name}");
+    }
+    assert_eq!((c["g"][0].as_str(), c["g_se"][0].as_str()), ("", ""));
+    assert_eq!(floats(&c["g"][1..]), g.g[1..]);
+    assert_eq!(floats(&c["g_se"][1..]), g.g_se[1..]);
+    assert_eq!(c["count"].iter().map(|n| n.parse().unwrap()).collect::<Vec<u64>>(), g.count);
+    assert_eq!((c["g_kernel"][1].as_str(), c["g_kernel_se"][1].as_str()), ("", ""));
+    assert_eq!(c["g_kernel"][4].parse::<f64>().unwrap(), 4.0 / 3.0);
+
+    let (header, c) = columns(&root.path().join("spectrum_radial.csv"));
+    let names = "nu_lo,nu,nu_hi,modes,p,p_se,anisotropy_db,anisotropy_reference_db,anisotropy_db_se,independent_modes";
+    assert_eq!(header.join(","), names);
+    let rings = &a.radial.as_ref().unwrap().rings;
+    assert_eq!(floats(&c["p"]), rings.iter().map(|r| r.p).collect::<Vec<_>>());
+    assert_eq!(floats(&c["p_se"]), rings.iter().map(|r| r.p_se).collect::<Vec<_>>());
+    assert_eq!(c["anisotropy_db"][0], "");
+    assert_eq!(c["anisotropy_db"][1].parse::<f64>().ok(), rings[1].anisotropy_db);
+    assert!(floats(&c["anisotropy_reference_db"]).iter().all(|&db| db == -10.0 * 2f64.log10()));
+}
+
+#[test]
+fn grids_read_back_with_x_first_and_dc_in_the_middle() {
+    let root = tempfile::tempdir().unwrap();
+    let a = small();
+    report::write(root.path(), &a, false).unwrap();
+    let spectrum = a.spectrum.as_ref().unwrap();
+    for (file, half) in [("spectrum.npy", &spectrum.p), ("spectrum_se.npy", &spectrum.p_se)] {
+        let bytes = fs::read(root.path().join(file)).unwrap();
+        let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+        assert_eq!(npy.shape(), [7, 9]);
+        assert_eq!(npy.order(), npyz::Order::C);
+        let values: Vec<f64> = npy.into_vec().unwrap();
+        for (m0, m1) in [(0, 0), (3, 4), (-3, 4), (1, -2), (-1, 2), (-2, -3)] {
+            let at = ((m0 + 3) * 9 + m1 + 4) as usize;
+            assert_eq!(values[at], half[spectrum.grid.half_index([m0, m1, 0])], "{file} at {m0}, {m1}");
+        }
+    }
+}
+
+#[test]
+fn the_summary_holds_the_scalars() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    a.parameters = vec![("z".into(), "1".into()), ("a".into(), "2".into()), ("z".into(), "3".into())];
+    a.warnings = vec!["mind \"this\"".into()];
+    a.neighbors.as_mut().unwrap().mean_se = Some(f64::NAN);
+    report::write(root.path(), &a, false).unwrap();
+    let summary = json(root.path());
+    assert_eq!(summary["schema"], 1);
+    assert_eq!(summary["n"], serde_json::json!({"min": 7, "mean": 8.0, "max": 9}));
+    assert_eq!((&summary["k"], &summary["d"]), (&2.into(), &2.into()));
+    assert_eq!(summary["parameters"], serde_json::json!({"z": "1; 3", "a": "2"}));
+    assert_eq!(summary["domain"]["boundary"], "torus");
+    assert_eq!(summary["accuracy"]["power_bound"]["max_relative_to_one_plus_p"], 1e-11);
+    assert_eq!(summary["pair_correlation"]["errors"], "across-realizations");
+    assert_eq!(summary["spectrum"]["dc_p"].as_f64().unwrap(), a.spectrum.as_ref().unwrap().dc().0);
+    assert!(summary["neighbors"]["mean_se"].is_null());
+    assert_eq!(summary["warnings"][0], "mind \"this\"");
+    assert_eq!(summary["timings_seconds"]["wave_power"], 1.5);
+    let text = fs::read_to_string(root.path().join("summary.json")).unwrap();
+    let at = |key: &str| text.find(key).unwrap();
+    assert!(at("\"schema\"") < at("\"subject\"") && at("\"z\"") < at("\"a\"") && at("\"n\"") < at("\"plan\""));
+}
+
+#[test]
+fn user_text_is_escaped() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    let hostile = "</title><script>alert('&')</script>\u{1b}\"x\".csv";
+    a.subject = hostile.into();
+    a.closed_form.name = hostile.into();
+    a.closed_form.g = Some(vec![1.0; 16]);
+    a.plan = hostile.into();
+    a.warnings = vec![hostile.into()];
+    a.parameters = vec![(hostile.into(), hostile.into()), ("command".into(), hostile.into())];
+    a.computed_by.device = hostile.into();
+    report::write(root.path(), &a, false).unwrap();
+    for name in ["pcf.svg", "points.svg", "report.html", "spectrum_radial.svg"] {
+        let text = fs::read_to_string(root.path().join(name)).unwrap();
+        assert!(!text.contains("<script") && !text.contains('\u{1b}'), "{name}");
+        assert!(text.contains("&lt;script&gt;"), "{name}");
+        if name.ends_with("svg") {
+            roxmltree::Document::parse(&text).unwrap();
+        }
+    }
+    assert_eq!(json(root.path())["subject"], hostile);
+}
+
+#[test]
+fn an_existing_result_needs_force() {
+    let root = tempfile::tempdir().unwrap();
+    let dir = root.path().join("out");
+    report::check_out(&dir, false).unwrap();
+    assert!(listing(root.path()).is_empty());
+    report::write(&dir, &small(), false).unwrap();
+    let refusal = report::write(&dir, &small(), false).unwrap_err();
+    assert_eq!(refusal.exit_code(), 2);
+    assert_eq!(refusal.to_string(), format!("--out {}: holds a result already; --force replaces it", dir.display()));
+    assert!(report::check_out(&dir, false).is_err());
+    report::check_out(&dir, true).unwrap();
+
+    // Forced: ours that the new result lacks go away, what is not ours stays.
+    fs::write(dir.join("notes.txt"), "mine").unwrap();
+    let mut less = small();
+    (less.spectrum, less.radial) = (None, None);
+    less.subject = "the second".into();
+    report::write(&dir, &less, true).unwrap();
+    let kept = ["notes.txt", "pcf.csv", "pcf.svg", "points.svg", "report.html", "summary.json"];
+    assert_eq!(listing(&dir), kept);
+    assert_eq!(json(&dir)["subject"], "the second");
+    assert_eq!(listing(root.path()), ["out"]);
+}
+
+#[test]
+fn a_file_of_ours_by_name_alone_is_not_lost() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("pcf.csv"), "somebody's own").unwrap();
+    let refusal = report::write(root.path(), &small(), false).unwrap_err();
+    assert!(refusal.to_string().contains("holds a file pcf.csv already; --force replaces it"), "{refusal}");
+    // Nor a whole directory, not even by force.
+    fs::remove_file(root.path().join("pcf.csv")).unwrap();
+    fs::create_dir(root.path().join("pcf.csv")).unwrap();
+    assert!(report::write(root.path(), &small(), true).is_err());
+    fs::remove_dir(root.path().join("pcf.csv")).unwrap();
+    // Other files are no obstacle.
+    fs::write(root.path().join("points.csv"), "input").unwrap();
+    report::write(root.path(), &small(), false).unwrap();
+    assert!(listing(root.path()).contains(&"points.csv".into()));
+}
+
+#[test]
+fn bad_paths_fail_early_and_name_the_flag() {
+    let root = tempfile::tempdir().unwrap();
+    let file = root.path().join("file");
+    fs::write(&file, "x").unwrap();
+    for path in [file.clone(), file.join("below"), PathBuf::new(), "/proc/nothing/here".into()] {
+        for force in [false, true] {
+            let refusal = report::check_out(&path, force).unwrap_err();
+            assert!(matches!(refusal, Error::Setting { flag: "--out", .. }), "{refusal}");
+            assert!(report::write(&path, &small(), force).is_err());
+        }
+    }
+    assert_eq!(fs::read(&file).unwrap(), b"x");
+    assert_eq!(listing(root.path()), ["file"]);
+}
+
+#[test]
+fn a_failure_leaves_everything_as_it_was() {
+    // A spectrum whose store is too short cannot be written: the run dies in the middle, after the first tables.
+    let mut broken = small();
+    broken.spectrum.as_mut().unwrap().p_se.truncate(3);
+    let root = tempfile::tempdir().unwrap();
+    let attempt = |dir: &Path, force| {
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| report::write(dir, &broken, force)))
+    };
+    assert!(!matches!(attempt(&root.path().join("a/b"), false), Ok(Ok(_))));
+    assert!(listing(root.path()).is_empty(), "{:?}", listing(root.path()));
+
+    let dir = root.path().join("out");
+    report::write(&dir, &small(), false).unwrap();
+    let before: Vec<_> = listing(&dir).into_iter().map(|f| fs::read(dir.join(f)).unwrap()).collect();
+    assert!(!matches!(attempt(&dir, true), Ok(Ok(_))));
+    let after: Vec<_> = listing(&dir).into_iter().map(|f| fs::read(dir.join(f)).unwrap()).collect();
+    assert!(before == after);
+}
+
+#[test]
+fn the_same_analysis_gives_the_same_bytes() {
+    let root = tempfile::tempdir().unwrap();
+    let a = small();
+    let first = report::write(&root.path().join("a"), &a, false).unwrap();
+    let second = report::write(&root.path().join("b"), &a, false).unwrap();
+    for (a, b) in first.iter().zip(&second) {
+        assert!(fs::read(a).unwrap() == fs::read(b).unwrap(), "{}", a.display());
+    }
+}
+
+/// The picture says what its greys mean, and they do: P = 0 black, 1 in the middle, y up, DC black.
+#[test]
+fn the_picture_keeps_its_tone_map() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    let spectrum = a.spectrum.as_mut().unwrap();
+    spectrum.grid = WaveGrid::new(&[3, 4]).unwrap();
+    spectrum.p.fill(0.0);
+    for (m, p) in [([0, 0, 0], 1e6), ([1, 0, 0], 1.0), ([0, 4, 0], 1e9), ([3, -4, 0], 3.0)] {
+        let at = spectrum.grid.half_index(m);
+        spectrum.p[at] = p;
+    }
+    report::write(root.path(), &a, false).unwrap();
+    let file = std::io::BufReader::new(fs::File::open(root.path().join("spectrum.png")).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let said = reader.info().uncompressed_latin1_text.iter().map(|t| t.text.clone()).collect::<String>();
+    assert!(said.contains("log2(1 + P)") && said.contains("m_y = -4..4 upward"), "{said}");
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let zoom = info.width / 7;
+    assert_eq!((info.width, info.height), (7 * zoom, 9 * zoom));
+    assert!((512..=1024).contains(&info.height));
+    let at = |m0: i32, m1: i32| {
+        let (x, y) = ((m0 + 3) as u32 * zoom + zoom / 2, (4 - m1) as u32 * zoom + zoom / 2);
+        pixels[(y * info.width + x) as usize]
+    };
+    assert_eq!((at(0, 0), at(1, 0), at(-1, 0), at(2, 2)), (0, 128, 128, 0));
+    assert_eq!((at(0, 4), at(3, -4), at(-3, 4), at(3, 4)), (255, 255, 255, 0));
+}
