@@ -29,6 +29,10 @@ const HOPELESS_GUARD: f32 = 0.25;
 /// With more bins than this the sums of one realization are large, so that they are shared between threads.
 const SHARED_BINS: usize = 1 << 15;
 
+/// Histograms that take turns where bins come from a table, unless they are too large for the first-level cache.
+const SCATTER_COPIES: usize = 4;
+const FEW_BINS: usize = 1024;
+
 pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
     let realizations = ensemble.realizations();
     let threads = cpu.threads();
@@ -184,7 +188,7 @@ impl Tally {
         let bins = plan.bins.len();
         let (copies, stride) = match filter {
             Filter::Linear(linear) => (linear.copies, linear.stride),
-            _ => (1, bins + 1),
+            _ => (if bins <= FEW_BINS { SCATTER_COPIES } else { 1 }, bins + 1),
         };
         Self {
             bins,
@@ -224,7 +228,7 @@ impl Tally {
         let axes: Vec<&[u32]> = set.rounded.iter().map(Vec::as_slice).collect();
         let job = Rows { axes: &axes, periods: set.rounded_periods, rows, columns };
         let bins = self.bins;
-        let Self { short, weights, counts, undecided, .. } = self;
+        let Self { short, stride, weights, counts, undecided, .. } = self;
         if let Some(weights) = weights {
             let window = Window::new(plan, &set.exact);
             let sink = |i: usize, first: usize, slots: &[u32]| {
@@ -239,10 +243,10 @@ impl Tally {
             match filter {
                 Filter::Linear(linear) => simd::linear(level, &job, &linear.one_copy(), sink, undecided),
                 Filter::Table(table) => {
-                    simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided)
+                    simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided)
                 }
                 Filter::Near(beyond) => {
-                    simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
+                    simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided)
                 }
             }
             for pair in undecided.drain(..) {
@@ -256,12 +260,12 @@ impl Tally {
         match filter {
             Filter::Linear(linear) => simd::linear_histogram(level, &job, linear, short, undecided),
             Filter::Table(table) => {
-                let sink = |_, _, slots: &[u32]| scatter(short, slots);
-                simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), bins as u32, sink, undecided);
+                let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
+                simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided);
             }
             Filter::Near(beyond) => {
-                let sink = |_, _, slots: &[u32]| scatter(short, slots);
-                simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided);
+                let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
+                simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided);
             }
         }
         for pair in undecided.drain(..) {
@@ -292,35 +296,43 @@ impl Tally {
     }
 }
 
+/// Counts into one histogram or into `SCATTER_COPIES` in turn: increments of one counter wait for each other.
 #[inline(always)]
-fn scatter(histogram: &mut [u32], slots: &[u32]) {
-    for &slot in slots {
+fn scatter(histograms: &mut [u32], stride: usize, slots: &[u32]) {
+    let increment = |histogram: &mut [u32], slot: u32| {
         let count = &mut histogram[slot as usize];
         *count = count.wrapping_add(1);
+    };
+    let (rounds, rest) = slots.as_chunks::<SCATTER_COPIES>();
+    if histograms.len() == stride {
+        slots.iter().for_each(|&slot| increment(histograms, slot));
+        return;
     }
+    for round in rounds {
+        for (histogram, &slot) in histograms.chunks_exact_mut(stride).zip(round) {
+            increment(histogram, slot);
+        }
+    }
+    rest.iter().for_each(|&slot| increment(histograms, slot));
 }
 
-/// The bin of a pair by `BinFilter::Table`; `bins` for none, `Err(guess)` where undecided.
+/// The bin of a pair by `BinFilter::Table` (`bins` for none), and whether it is undecided.
 #[inline(always)]
-fn table_bin(table: &BinTable, bins: usize, r2: f32) -> Result<u32, u32> {
+fn table_bin(table: &BinTable, bins: usize, r2: f32) -> (u32, bool) {
     let cell = (r2.to_bits() >> BinTable::CELL_SHIFT).saturating_sub(table.first_cell) as usize;
     let edge = table.cells[cell.min(table.cells.len() - 1)];
-    if edge == BinTable::SEARCH {
-        return Err(edge);
-    }
-    let e = edge as usize;
-    if r2 >= table.low[e] && r2 <= table.high[e] {
-        return Err(edge);
-    }
+    let search = edge == BinTable::SEARCH;
+    let e = if search { 0 } else { edge };
+    let (low, high) = (table.low[e as usize], table.high[e as usize]);
     // Slot e + above is bin e + above - 1; below the first bin wraps to the far end.
-    let bin = (edge + u32::from(r2 > table.high[e])).wrapping_sub(1);
-    Ok(bin.min(bins as u32))
+    let bin = (e + u32::from(r2 > high)).wrapping_sub(1);
+    (bin.min(bins as u32), search | ((r2 >= low) & (r2 <= high)))
 }
 
 /// No bin beyond, undecided up to there.
 #[inline(always)]
-fn near_bin(beyond: f32, bins: usize, r2: f32) -> Result<u32, u32> {
-    if r2 > beyond { Ok(bins as u32) } else { Err(0) }
+fn near_bin(beyond: f32, bins: usize, r2: f32) -> (u32, bool) {
+    (bins as u32, r2 <= beyond)
 }
 
 /// The bin of a pair by the definition.

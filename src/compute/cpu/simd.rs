@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::arch::x86_64::*;
 
 use super::phase_tables::{Panel, Table, fill};
+use crate::plan::BinTable;
 
 /// Columns a row kernel takes at a time.
 pub(super) const COLUMNS: usize = 1024;
@@ -150,62 +151,69 @@ macro_rules! by_shape {
     };
 }
 
-/// Bins by a function of r2, row by row, into `sink(i, first j, bins)`. Undecided pairs get `no_bin`.
+/// Bins by a function of r2 that answers with the bin and whether it is undecided, row by row, into
+/// `sink(i, first j, bins)`. Undecided pairs get `no_bin`. `table` says that the function is a look-up there.
 pub(super) fn by_r2(
     level: SimdLevel,
     job: &Rows<'_>,
-    bin: impl Fn(f32) -> Result<u32, u32>,
+    bin: impl Fn(f32) -> (u32, bool),
+    table: Option<&BinTable>,
     no_bin: u32,
     sink: impl FnMut(usize, usize, &[u32]),
     undecided: &mut Vec<Undecided>,
 ) {
     let _ = level;
-    let rule = (bin, no_bin, sink);
     #[cfg(target_arch = "x86_64")]
     if level >= SimdLevel::Avx2 {
         // SAFETY: the level was detected.
-        return unsafe { by_r2_avx2(job, rule, undecided) };
+        return unsafe { by_r2_avx2(job, (bin, table, no_bin, sink), undecided) };
     }
-    by_r2_any(job, rule, undecided);
+    let _ = table;
+    by_r2_any(job, (bin, None, no_bin, sink), undecided);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn by_r2_avx2<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])>(
+fn by_r2_avx2<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])>(
     job: &Rows<'_>,
-    rule: (B, u32, S),
+    rule: (B, Option<&BinTable>, u32, S),
     undecided: &mut Vec<Undecided>,
 ) {
     by_r2_any(job, rule, undecided);
 }
 
 #[inline(always)]
-fn by_r2_any<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])>(
+fn by_r2_any<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])>(
     job: &Rows<'_>,
-    rule: (B, u32, S),
+    rule: (B, Option<&BinTable>, u32, S),
     undecided: &mut Vec<Undecided>,
 ) {
     by_shape!(job, by_r2_rows, job, rule, undecided);
 }
 
 trait R2Rule {
-    fn bin(&self, r2: f32) -> Result<u32, u32>;
+    fn bin(&self, r2: f32) -> (u32, bool);
+    fn table(&self) -> Option<&BinTable>;
     fn no_bin(&self) -> u32;
     fn sink(&mut self, i: usize, first: usize, bins: &[u32]);
 }
 
-impl<B: Fn(f32) -> Result<u32, u32>, S: FnMut(usize, usize, &[u32])> R2Rule for (B, u32, S) {
+impl<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])> R2Rule for (B, Option<&BinTable>, u32, S) {
     #[inline(always)]
-    fn bin(&self, r2: f32) -> Result<u32, u32> {
+    fn bin(&self, r2: f32) -> (u32, bool) {
         (self.0)(r2)
     }
     #[inline(always)]
-    fn no_bin(&self) -> u32 {
+    fn table(&self) -> Option<&BinTable> {
         self.1
     }
     #[inline(always)]
+    fn no_bin(&self) -> u32 {
+        self.2
+    }
+    #[inline(always)]
     fn sink(&mut self, i: usize, first: usize, bins: &[u32]) {
-        (self.2)(i, first, bins);
+        (self.3)(i, first, bins);
     }
 }
 
@@ -217,6 +225,7 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
 ) {
     let mut r2 = [0f32; COLUMNS];
     let mut slots = [0u32; COLUMNS];
+    let mut flagged = [0u32; COLUMNS + 1];
     for i in job.rows.clone() {
         let first = job.columns.start.max(i + 1);
         let len = job.columns.end.saturating_sub(first);
@@ -225,17 +234,88 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
         for (o, r2) in r2[..len].iter_mut().enumerate() {
             *r2 = squared::<D, UNEQUAL>(own, std::array::from_fn(|k| others[k][o]), job.periods);
         }
-        for (o, (slot, &r2)) in slots[..len].iter_mut().zip(&r2).enumerate() {
-            *slot = match rule.bin(r2) {
-                Ok(bin) => bin,
-                Err(guess) => {
-                    undecided.push(Undecided { i: i as u32, j: (first + o) as u32, guess });
-                    rule.no_bin()
-                }
-            };
+        let mut flags = 0;
+        if let Some(table) = rule.table() {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: there is a table only where AVX2 was detected.
+            unsafe {
+                flags = look_up_avx2(table, rule.no_bin(), &r2, len, &mut slots, &mut flagged);
+            }
+            let _ = table;
+        } else {
+            // Listed without a branch, since a table's answers are as good as random.
+            for (o, (slot, &r2)) in slots[..len].iter_mut().zip(&r2).enumerate() {
+                let (bin, unsure) = rule.bin(r2);
+                *slot = bin;
+                flagged[flags] = o as u32;
+                flags += usize::from(unsure);
+            }
+        }
+        for &o in &flagged[..flags] {
+            let slot = &mut slots[o as usize];
+            let guess = slot.wrapping_add(1);
+            undecided.push(Undecided { i: i as u32, j: first as u32 + o, guess });
+            *slot = rule.no_bin();
         }
         rule.sink(i, first, &slots[..len]);
     }
+}
+
+/// `BinFilter::Table` for the first `len` of `r2`: bins into `slots`, the places of undecided ones into `flagged`, whose
+/// number is returned.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn look_up_avx2(
+    table: &BinTable,
+    no_bin: u32,
+    r2: &[f32; COLUMNS],
+    len: usize,
+    slots: &mut [u32; COLUMNS],
+    flagged: &mut [u32; COLUMNS + 1],
+) -> usize {
+    assert!(!table.cells.is_empty() && table.low.len() == table.high.len() && !table.low.is_empty());
+    let first_cell = _mm256_set1_epi32(table.first_cell as i32);
+    let last_cell = _mm256_set1_epi32(table.cells.len() as i32 - 1);
+    let last_edge = _mm256_set1_epi32(table.low.len() as i32 - 1);
+    let no_bin = _mm256_set1_epi32(no_bin as i32);
+    let zero = _mm256_setzero_si256();
+    let mut masks = [0u8; COLUMNS / 8];
+    let eights = r2.as_chunks::<8>().0.iter().zip(slots.as_chunks_mut::<8>().0).zip(&mut masks);
+    // What lies beyond `len` in the last eight is looked up too, and ignored.
+    for ((r2, slots), mask) in eights.take(len.div_ceil(8)) {
+        // SAFETY: eight values each; cells and edges are cut to the ends of their arrays just before.
+        unsafe {
+            let r2 = _mm256_loadu_ps(r2.as_ptr());
+            let bits = _mm256_srli_epi32::<{ BinTable::CELL_SHIFT as i32 }>(_mm256_castps_si256(r2));
+            let cell = _mm256_sub_epi32(_mm256_max_epu32(bits, first_cell), first_cell);
+            let cell = _mm256_min_epu32(cell, last_cell);
+            let edge = _mm256_i32gather_epi32::<4>(table.cells.as_ptr().cast(), cell);
+            // The mark of a search is the sign bit.
+            let e = _mm256_min_epu32(edge, last_edge);
+            let low = _mm256_i32gather_ps::<4>(table.low.as_ptr(), e);
+            let high = _mm256_i32gather_ps::<4>(table.high.as_ptr(), e);
+            let above = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GT_OQ>(r2, high));
+            let below = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(r2, low));
+            let decided = _mm256_andnot_si256(_mm256_cmpgt_epi32(zero, edge), _mm256_or_si256(above, below));
+            // Slot e + above is bin e + above - 1; `above` is 0 or -1.
+            let bin = _mm256_sub_epi32(_mm256_add_epi32(e, _mm256_set1_epi32(-1)), above);
+            _mm256_storeu_si256(slots.as_mut_ptr().cast(), _mm256_min_epu32(bin, no_bin));
+            *mask = !_mm256_movemask_ps(_mm256_castsi256_ps(decided)) as u8;
+        }
+    }
+    let mut flags = 0;
+    for (eight, &mask) in masks[..len.div_ceil(8)].iter().enumerate() {
+        let mut mask = mask;
+        while mask != 0 {
+            let o = 8 * eight + mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            if o < len {
+                flagged[flags] = o as u32;
+                flags += 1;
+            }
+        }
+    }
+    flags
 }
 
 /// Linear bins, row by row, into `sink(i, first j, indices)`.
@@ -570,31 +650,39 @@ impl<T> Product<'_, T> {
     }
 }
 
-/// Makes the register-blocked kernels of one instruction set and precision: `$nv` vectors of `$lanes` columns by
-/// `PRODUCT_ROWS` rows are held in registers over the whole panel.
+/// Makes the register-blocked kernels of one instruction set and precision: one or two vectors of
+/// `$lanes` columns by `PRODUCT_ROWS` rows are held in registers over the whole panel.
 #[cfg(target_arch = "x86_64")]
 macro_rules! product_kernel {
-    ($name:ident, $block:ident, $t:ty, $lanes:literal, $wide:literal, $zero:ident, $load:ident, $set:ident, $fma:ident, $flush:expr) => {
-        #[target_feature(enable = "avx2,fma")]
-        fn $name(p: &mut Product<'_, $t>) {
+    ($features:literal, $name:ident, $block:ident, $t:ty, $lanes:literal, $zero:ident, $load:ident, $set:ident, $fma:ident, $flush:expr) => {
+        /// Takes the columns from `column` on as far as blocks fit; returns the first column left.
+        #[target_feature(enable = $features)]
+        fn $name(p: &mut Product<'_, $t>, mut column: usize) -> usize {
             p.check();
-            let mut column = 0;
-            while column < p.columns {
-                let wide = column + $wide * $lanes <= p.columns;
+            while column + $lanes <= p.columns {
+                let wide = column + 2 * $lanes <= p.columns;
                 for row in (0..p.rows).step_by(PRODUCT_ROWS) {
                     // SAFETY: `check` has compared the lengths; a block ends within rows and columns.
-                    unsafe { if wide { $block::<$wide>(p, row, column) } else { $block::<1>(p, row, column) } }
+                    unsafe { if wide { $block::<2>(p, row, column) } else { $block::<1>(p, row, column) } }
                 }
-                column += if wide { $wide * $lanes } else { $lanes };
+                column += if wide { 2 * $lanes } else { $lanes };
             }
+            column
         }
 
-        #[target_feature(enable = "avx2,fma")]
+        #[target_feature(enable = $features)]
         #[inline]
         unsafe fn $block<const NV: usize>(p: &mut Product<'_, $t>, row: usize, column: usize) {
             let mut sums = [[$zero(); NV]; PRODUCT_ROWS];
             // SAFETY: see the caller.
             unsafe {
+                // The sums come from a far cache; they are needed when the panel is done.
+                for k in 0..PRODUCT_ROWS {
+                    for v in 0..NV {
+                        let to = p.master.as_ptr().add((row + k) * p.columns + column + v * $lanes);
+                        _mm_prefetch::<_MM_HINT_T0>(to.cast());
+                    }
+                }
                 let mut left = p.left.as_ptr().add(row);
                 let mut right = p.right.as_ptr().add(column);
                 for _ in 0..p.points {
@@ -620,11 +708,11 @@ macro_rules! product_kernel {
 
 #[cfg(target_arch = "x86_64")]
 product_kernel!(
+    "avx2,fma",
     product_f32_avx2,
     block_f32_avx2,
     f32,
     8,
-    2,
     _mm256_setzero_ps,
     _mm256_loadu_ps,
     _mm256_set1_ps,
@@ -638,11 +726,11 @@ product_kernel!(
 
 #[cfg(target_arch = "x86_64")]
 product_kernel!(
+    "avx2,fma",
     product_f64_avx2,
     block_f64_avx2,
     f64,
     4,
-    2,
     _mm256_setzero_pd,
     _mm256_loadu_pd,
     _mm256_set1_pd,
@@ -650,12 +738,49 @@ product_kernel!(
     |sum: __m256d, to: *mut f64| _mm256_storeu_pd(to, _mm256_add_pd(_mm256_loadu_pd(to), sum))
 );
 
+#[cfg(target_arch = "x86_64")]
+product_kernel!(
+    "avx512f,avx512dq,avx2,fma",
+    product_f32_avx512,
+    block_f32_avx512,
+    f32,
+    16,
+    _mm512_setzero_ps,
+    _mm512_loadu_ps,
+    _mm512_set1_ps,
+    _mm512_fmadd_ps,
+    |sum: __m512, to: *mut f64| {
+        let (low, high) = (_mm512_castps512_ps256(sum), _mm512_extractf32x8_ps::<1>(sum));
+        _mm512_storeu_pd(to, _mm512_add_pd(_mm512_loadu_pd(to), _mm512_cvtps_pd(low)));
+        _mm512_storeu_pd(to.add(8), _mm512_add_pd(_mm512_loadu_pd(to.add(8)), _mm512_cvtps_pd(high)));
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+product_kernel!(
+    "avx512f,avx512dq,avx2,fma",
+    product_f64_avx512,
+    block_f64_avx512,
+    f64,
+    8,
+    _mm512_setzero_pd,
+    _mm512_loadu_pd,
+    _mm512_set1_pd,
+    _mm512_fmadd_pd,
+    |sum: __m512d, to: *mut f64| _mm512_storeu_pd(to, _mm512_add_pd(_mm512_loadu_pd(to), sum))
+);
+
 /// The product in f32, flushed into f64.
 pub(super) fn product_f32(level: SimdLevel, product: &mut Product<'_, f32>) {
     #[cfg(target_arch = "x86_64")]
     if level >= SimdLevel::Avx2 {
+        // Each sum is the same chain of fused operations at either width.
         // SAFETY: the level was detected.
-        return unsafe { product_f32_avx2(product) };
+        unsafe {
+            let column = if level == SimdLevel::Avx512 { product_f32_avx512(product, 0) } else { 0 };
+            product_f32_avx2(product, column);
+        }
+        return;
     }
     let _ = level;
     product_portable(product);
@@ -665,8 +790,13 @@ pub(super) fn product_f32(level: SimdLevel, product: &mut Product<'_, f32>) {
 pub(super) fn product_f64(level: SimdLevel, product: &mut Product<'_, f64>) {
     #[cfg(target_arch = "x86_64")]
     if level >= SimdLevel::Avx2 {
+        // Each sum is the same chain of fused operations at either width.
         // SAFETY: the level was detected.
-        return unsafe { product_f64_avx2(product) };
+        unsafe {
+            let column = if level == SimdLevel::Avx512 { product_f64_avx512(product, 0) } else { 0 };
+            product_f64_avx2(product, column);
+        }
+        return;
     }
     let _ = level;
     product_portable(product);

@@ -7,7 +7,7 @@
 //! - In 2D and 3D the rows are `(m_0, 0, 0)` and the columns `(0, m_1, m_2)`, one of each pair of opposite signs.
 //! - In 1D the rows are `0 ..= h` and the columns the multiples of `2 h + 1`, with `h` near `sqrt(F / 2)`.
 //!
-//! Points go in panels of 128: a panel is summed in registers, in f32 (`fast`) or f64 (`high`), and added to f64 sums.
+//! Points go in panels of up to 128, far apart in the input: a panel is summed in registers, in f32 (`fast`) or f64 (`high`), and added to f64 sums.
 //! So each sum is made by the same additions in the same order, however the grid is cut into tiles for threads.
 
 use std::ops::Range;
@@ -29,9 +29,9 @@ const PANEL: usize = 128;
 /// Panels between two looks at the control.
 const PANELS_PER_CHECK: usize = 64;
 
-/// Longest side of a tile, in frequencies: two tables of a panel fit the second-level cache. A little above 256, so that
-/// grids of that size stay whole.
-const LARGEST_TILE: usize = 264;
+/// Longest side of a tile, in bytes of one table's cosines at one point: two tables of a panel fit the second-level
+/// cache. In f32 a little above 256 frequencies, so that grids of that size stay whole.
+const LARGEST_TILE: usize = 264 * size_of::<f32>();
 
 /// Tiles are not cut smaller than this for the sake of threads: below, trigonometry dominates.
 const SMALLEST_TILE: usize = 32;
@@ -60,8 +60,9 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
         .filter(|&k| k == 0 || leaf_of(k) != leaf_of(k - 1))
         .map(|start| start..(((leaf_of(start) + 1) * LEAF - first) as usize).min(realizations))
         .collect();
-    if leaves.len() >= 2 * threads && 4 * spectrum_bytes * threads as u64 <= MEMORY_BUDGET {
-        let tiles = factors.tiles(1);
+    let enough = threads == 1 || leaves.len() >= 2 * threads;
+    if enough && 4 * spectrum_bytes * threads as u64 <= MEMORY_BUDGET {
+        let tiles = factors.tiles::<T>(1);
         let sums = Mutex::new(new_sums());
         let results = cpu.pool.broadcast(|_| {
             let mut scratch = Scratch::<T>::default();
@@ -90,7 +91,7 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
     let at_once = (MEMORY_BUDGET / spectrum_bytes.max(1)).clamp(1, threads as u64) as usize;
     for start in (0..realizations).step_by(at_once) {
         let wave = start..(start + at_once).min(realizations);
-        let tiles = factors.tiles(if wave.len() >= threads { 1 } else { (2 * threads).div_ceil(wave.len()) });
+        let tiles = factors.tiles::<T>(if wave.len() >= threads { 1 } else { (2 * threads).div_ceil(wave.len()) });
         let powers: Vec<_> = wave.clone().map(|_| Mutex::new(vec![0.0; modes])).collect();
         next.store(0, Ordering::Relaxed);
         let results = cpu.pool.broadcast(|_| {
@@ -165,9 +166,10 @@ impl Factors {
     }
 
     /// Cuts rows and columns into at least `wanted` tiles where that is sensible, none too large for the caches.
-    fn tiles(&self, wanted: usize) -> Vec<Tile> {
+    fn tiles<T: Real>(&self, wanted: usize) -> Vec<Tile> {
         let (rows, columns) = (self.rows.len(), self.columns.len());
-        let (mut row_parts, mut column_parts) = (rows.div_ceil(LARGEST_TILE), columns.div_ceil(LARGEST_TILE));
+        let largest = LARGEST_TILE / size_of::<T>();
+        let (mut row_parts, mut column_parts) = (rows.div_ceil(largest), columns.div_ceil(largest));
         while row_parts * column_parts < wanted {
             let (height, width) = (rows / row_parts, columns / column_parts);
             if height.max(width) < 2 * SMALLEST_TILE {
@@ -225,15 +227,23 @@ impl<T: Real> Scratch<T> {
         self.sums.clear();
         self.sums.resize(rows * self.columns, 0.0);
         let n = axes[0].len();
-        for (panel_index, start) in (0..n).step_by(PANEL).enumerate() {
-            if panel_index % PANELS_PER_CHECK == 0 {
+        let panels = n.div_ceil(PANEL);
+        for start in 0..panels {
+            if start % PANELS_PER_CHECK == 0 {
                 control.check()?;
             }
-            let end = (start + PANEL).min(n);
-            let mut cut: [&[u64]; 3] = [&[]; 3];
-            for (cut, axis) in cut.iter_mut().zip(axes) {
-                *cut = &axis[start..end];
+            // Points far apart in the input: many sets come in an order along which phases vary slowly, and neighbours
+            // would add up to large partial sums, with large rounding errors, before they cancel.
+            let mut gathered = [[0u64; PANEL]; 3];
+            let mut points = 0;
+            for (to, axis) in gathered.iter_mut().zip(axes) {
+                points = 0;
+                for (to, &x) in to.iter_mut().zip(axis[start..].iter().step_by(panels)) {
+                    *to = x;
+                    points += 1;
+                }
             }
+            let cut = gathered.each_ref().map(|axis| &axis[..points]);
             let panel = Panel { axes: &cut };
             T::fill(level, &tile.left, &panel, left, left_stride);
             T::fill(level, &tile.right, &panel, right, right_stride);
@@ -245,7 +255,7 @@ impl<T: Real> Scratch<T> {
                 master: &mut self.sums,
                 rows,
                 columns: self.columns,
-                points: end - start,
+                points,
             };
             T::product(level, &mut product);
         }
