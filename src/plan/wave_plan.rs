@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, EnsembleShape, Rings, WaveGrid, batch_size};
+use super::{Accuracy, Batch, EnsembleShape, Rings, WaveGrid};
 use crate::error::{Error, Result};
 use crate::points::Domain;
 
@@ -19,8 +19,8 @@ pub struct WavePlan {
     pub accuracy: Accuracy,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
-    /// Realizations per batch, a multiple of `LEAF`.
-    pub batch: u64,
+    /// Realizations worked on at a time.
+    pub batch: Batch,
 }
 
 impl WavePlan {
@@ -32,7 +32,7 @@ impl WavePlan {
         }
         let rings = Rings::new(&grid, domain);
         let bytes = shape.max_points * 24 + grid.half_len() as u64 * 8;
-        let batch = batch_size(shape.realizations, bytes);
+        let batch = Batch::new(shape.realizations, bytes);
         Ok(Self { domain: domain.clone(), grid, rings, accuracy, shape, batch })
     }
 
@@ -49,7 +49,7 @@ impl fmt::Display for WavePlan {
         let bound = self.accuracy.power_bound().max_relative_to_one_plus_p;
         writeln!(f, "wave_power: |m| <= {}, {} rings, {:.3e} flop", axes.join(", "), self.rings.count, self.flop())?;
         writeln!(f, "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:e} (1 + P)", self.accuracy.name())?;
-        writeln!(f, "  batches of {} realizations", self.batch)?;
+        writeln!(f, "  {}", self.batch)?;
         writeln!(f, "  skipped: {} modes that are mirror images", self.grid.full_len() - self.grid.half_len())
     }
 }
