@@ -66,7 +66,7 @@ fn a_missing_point_and_a_nan_are_caught() {
 
     let mut nan =
         pairwave::accumulate::WavePower::new(ComputedBy::new(Backend::Cpu, "planted"), truth.modes(), &waves.rings);
-    let mut values = truth.totals().0.q;
+    let mut values = truth.mode_totals().q;
     values[7] = f64::NAN;
     nan.add(0, 100, &values, &waves.rings);
     assert!(power_error(&nan, &truth).is_err(), "NaN cannot pass");

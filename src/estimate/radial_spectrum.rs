@@ -45,7 +45,7 @@ impl RadialSpectrum {
     /// Dutre, "A Comparison of Methods for Generating Poisson Disk Distributions", 2008, do not: the two halves of the
     /// plane are the same numbers.)
     pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
-        let (_, ring_moments) = power.totals();
+        let ring_moments = power.ring_totals();
         let modes = |k: usize| plan.rings.modes[k] as f64;
         let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| modes(k) / 2.0);
         let spread = spread(plan, &spectrum.p, &p);

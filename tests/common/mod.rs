@@ -223,7 +223,7 @@ pub fn power_error(a: &WavePower, reference: &WavePower) -> Result<PowerError, S
         return Err("different realizations or modes".into());
     }
     let n = reference.n_moments[0] as f64;
-    let (p, p_ref) = (a.totals().0.q, reference.totals().0.q);
+    let (p, p_ref) = (a.mode_totals().q, reference.mode_totals().q);
     let (mut max, mut squares) = (0f64, 0.0);
     for (p, r) in p.iter().zip(&p_ref) {
         let (p, r) = (p / n, r / n);
