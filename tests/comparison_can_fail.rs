@@ -62,7 +62,7 @@ fn a_missing_point_and_a_nan_are_caught() {
     let mut off = reference_power(&waves, &ensemble(&[points]));
     as_if_by_cpu(&mut off.computed_by);
     let error = power_error(&off, &truth).unwrap();
-    assert!(error.max > Accuracy::Fast.power_bound().max_relative_to_one_plus_p, "one point moved by 1e-3: {error:?}");
+    assert!(error.max > Accuracy::Fast.power_bound().max_any(100.0), "one point moved by 1e-3: {error:?}");
 
     let mut nan =
         pairwave::accumulate::WavePower::new(ComputedBy::new(Backend::Cpu, "planted"), truth.modes(), &waves.rings);

@@ -46,9 +46,13 @@ impl WavePlan {
 impl fmt::Display for WavePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let axes: Vec<_> = self.grid.max_frequency()[..self.grid.dim()].iter().map(u32::to_string).collect();
-        let bound = self.accuracy.power_bound().max_relative_to_one_plus_p;
+        let bound = self.accuracy.power_bound().max_any(self.shape.mean_points);
         writeln!(f, "wave_power: |m| <= {}, {} rings, {:.3e} flop", axes.join(", "), self.rings.count, self.flop())?;
-        writeln!(f, "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:e} (1 + P)", self.accuracy.name())?;
+        writeln!(
+            f,
+            "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points",
+            self.accuracy.name()
+        )?;
         writeln!(f, "  {}", self.batch)?;
         writeln!(f, "  skipped: {} modes that are mirror images", self.grid.full_len() - self.grid.half_len())
     }

@@ -192,7 +192,7 @@ fn power(compute: &GpuCompute, domain: &Domain, grid: &[u32], sets: &[Vec<f64>])
         let error = (a - b).abs() / (n + a);
         worst = if error <= worst { worst } else { error };
     }
-    let bound = Accuracy::Fast.power_bound().max_relative_to_one_plus_p;
+    let bound = Accuracy::Fast.power_bound().max_uniform;
     let found = format!("|P - P_ref| <= {worst:.1e} (1 + P), promised {bound:.0e}");
     Ok(if worst <= bound { Ok(found) } else { Err(found) })
 }
