@@ -27,7 +27,7 @@ fn main() {
 
 fn table(cpu: &Cpu) {
     let level = SimdLevel::detect();
-    println!("\n{}", cpu.computed_by().device);
+    println!("\n{}", cpu.computed_by().device());
     println!("{:<52} {:>10} {:>12} {:>12}", "", "rate", "unit", "per GFLOP/s");
     let mut limit = calibrate(level);
     for (dim, bins) in [(2, 256), (2, 1024), (3, 256)] {

@@ -55,7 +55,7 @@ pub struct PointsRequest {
 
     /// Read files as raw little-endian numbers, e.g. f32x2
     #[arg(long, value_name = "TYPExD", conflicts_with = "sampler")]
-    #[serde(skip)]
+    #[serde(serialize_with = "as_typed")]
     pub raw: Option<RawLayout>,
 
     /// What happens at the sides [default: torus; window with --window]
@@ -140,6 +140,13 @@ pub struct Request {
     /// Threads of the CPU path [default: one per core]
     #[arg(long, value_name = "T")]
     pub threads: Option<usize>,
+}
+
+fn as_typed<S: serde::Serializer>(layout: &Option<RawLayout>, serializer: S) -> Result<S::Ok, S::Error> {
+    match layout {
+        Some(layout) => serializer.collect_str(layout),
+        None => serializer.serialize_none(),
+    }
 }
 
 impl Request {

@@ -217,7 +217,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("one.csv", "0.1 0.2\n");
     scratch.file("outside.txt", "0.1 0.2\n1.5 0.2\n");
     scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
-    scratch.file("three.txt", "0.1 0.2 0.3\n");
+    scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
     scratch.file("edges.txt", "0 0.1 0.05\n");
     scratch.file("words.txt", "0 0.1\nx\n");
     std::fs::create_dir(scratch.path("taken")).unwrap();
@@ -259,7 +259,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --r-max 1 --window 0,1,0,1",
             2,
-            "--r-max 1: expected less than the shortest side of the window (1): no pair is that far apart there",
+            "--r-max 1: expected less than the shortest side of the window (1): beyond, some directions are never seen",
         ),
         (
             "analyze ok.csv --r-max 0",
@@ -290,7 +290,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze three.txt --max-frequency 2000",
             2,
-            "--max-frequency 2000,2000,2000: 64048012001 wave vectors need 477 GiB per grid; at most 2^31 are supported",
+            "--max-frequency 2000,2000,2000: 64048012001 wave vectors need about 1908 GiB; at most 536870912 are supported",
         ),
         ("analyze ok.csv -n 5", 2, "-n 5: applies to --sampler NAME only, not to point files"),
         ("analyze ok.csv --param mu=3", 2, "--param mu=3: applies to --sampler NAME only, not to point files"),

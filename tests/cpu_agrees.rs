@@ -281,5 +281,5 @@ fn cancelling_is_an_error_and_bad_threads_are_refused() {
         let error = Cpu::new(Some(threads)).unwrap_err();
         assert!(error.to_string().starts_with(&format!("--threads {threads}: ")), "{error}");
     }
-    assert!(cpu(2).computed_by().device.contains("2 threads"));
+    assert!(cpu(2).computed_by().device().contains("2 threads"));
 }

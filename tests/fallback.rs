@@ -1,5 +1,5 @@
-//! What happens when a device cannot, or fails in the middle: the CPU path takes over, the result is the CPU's to the last
-//! bit, and the summary says so.
+//! What happens when a device cannot, or fails in the middle: the CPU path takes over, nothing is counted twice or lost
+//! (g is the same to the last bit, P up to the rounding of the hands that computed it), and the summary says so.
 
 mod common;
 
@@ -97,6 +97,7 @@ fn a_device_lost_in_the_middle_is_replaced_and_named() {
         assert_eq!(found.warnings, [named], "after {calls} calls");
         assert!(found.computed_by.backends.contains(&Backend::Cpu), "after {calls} calls: {:?}", found.computed_by);
         assert_eq!(found.computed_by.backends.contains(&Backend::Gpu), calls > 0, "{:?}", found.computed_by);
+        assert!(found.computed_by.devices.len() <= 2, "each device is named once: {:?}", found.computed_by);
     }
 }
 
@@ -105,7 +106,7 @@ fn what_a_device_does_not_do_is_done_on_the_cpu_and_named() {
     let request = request("--sampler random -n 30 -k 3 --stats pcf,spectrum --max-frequency 3");
     let device = Mortal { can_waves: false, ..Mortal::new(100) };
     let found = analyze(&request, &device).unwrap();
-    assert_eq!(found.warnings, ["mortal knows no waves; done on the native CPU path"]);
+    assert!(found.warnings.contains(&"mortal knows no waves; done on the native CPU path".to_string()), "{found:?}");
     assert_eq!(found.computed_by.backends, [Backend::Gpu, Backend::Cpu]);
 }
 

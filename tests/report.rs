@@ -443,7 +443,7 @@ fn user_text_is_escaped() {
     a.plan = hostile.into();
     a.warnings = vec![hostile.into()];
     a.parameters = vec![(hostile.into(), hostile.into()), ("command".into(), hostile.into())];
-    a.computed_by.device = hostile.into();
+    a.computed_by.devices = vec![hostile.into()];
     report::write(root.path(), &a, false).unwrap();
     for name in ["pcf.svg", "points.svg", "report.html", "spectrum_radial.svg"] {
         let text = fs::read_to_string(root.path().join(name)).unwrap();

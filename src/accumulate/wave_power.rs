@@ -109,7 +109,10 @@ impl WavePower {
             return Err(Error::input("wave power", reason));
         }
         if self.mode_sums.overlaps(&other.mode_sums) {
-            return Err(Error::input("wave power", "the two parts hold the same realizations"));
+            return Err(Error::input(
+                "wave power",
+                "the two parts hold the same realizations, or were not cut at multiples of 16",
+            ));
         }
         self.computed_by = self.computed_by.merge(&other.computed_by);
         self.realizations += other.realizations;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use pairwave::analysis::{self, Plan};
+use pairwave::compute::cpu::check_threads;
 use pairwave::request::Request;
 use pairwave::source::Source;
 use pairwave::{Result, report};
@@ -38,6 +39,11 @@ impl Analyze {
         if let Some(out) = out {
             report::check_out(out, self.force)?;
         }
+        if let Some(threads) = self.request.threads {
+            check_threads(threads)?;
+            // Samplers and neighbours work in the global pool; a second call in one process would be our own mistake.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        }
         let control = stop_on_interrupt()?;
         let source = Source::open(&self.request.input)?;
         let plan = Plan::new(&self.request, source.domain(), source.shape())?;
@@ -46,7 +52,7 @@ impl Analyze {
             eprintln!("note: {note}");
         }
         let Some(out) = out else {
-            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.compute.computed_by().device));
+            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.compute.computed_by().device()));
         };
         let bar = Bar::new(self.quiet);
         let mut analysis =

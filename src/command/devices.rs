@@ -5,7 +5,7 @@ use pairwave::compute::gpu::{AdapterChoice, GpuCompute, adapters};
 use pairwave::compute::{Compute, cpu::Cpu};
 
 pub(crate) fn run() -> Result<()> {
-    let mut text = format!("cpu        {}\n", Cpu::new(None)?.computed_by().device);
+    let mut text = format!("cpu        {}\n", Cpu::new(None)?.computed_by().device());
     let adapters = adapters();
     if adapters.is_empty() {
         text += "gpu        none: no Vulkan, Metal or D3D12 driver found; the native CPU path does everything\n";

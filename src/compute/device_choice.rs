@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
+use super::cpu::{Cpu, check_threads};
 use super::gpu::{AdapterChoice, GpuCompute};
-use super::{Compute, cpu::Cpu, reference::Reference};
+use super::{Compute, reference::Reference};
 use crate::error::{Error, Result};
 
 /// What `--device` asks for.
@@ -50,8 +51,8 @@ impl DeviceChoice {
     /// Opens it. `threads` is for the CPU path.
     pub fn open(self, threads: Option<usize>) -> Result<Opened> {
         let gpu = |choice| -> Result<Opened> {
-            // Checked here too, because the CPU path stands behind every GPU.
-            Cpu::new(threads)?;
+            // The CPU path stands behind every GPU.
+            threads.map_or(Ok(()), check_threads)?;
             Ok(Opened { compute: Box::new(GpuCompute::open(choice)?), note: None })
         };
         match self {

@@ -5,10 +5,12 @@
 
 pub mod cpu;
 mod device_choice;
+mod fallback;
 pub mod gpu;
 pub mod reference;
 
 pub use device_choice::{DeviceChoice, Opened};
+pub(crate) use fallback::WithFallback;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -34,17 +36,17 @@ pub enum Backend {
 pub struct ComputedBy {
     /// The ways that took part (more than one after a fallback or a merge).
     pub backends: Vec<Backend>,
-    /// Device and driver, in words.
-    pub device: String,
+    /// Device and driver of each, in words.
+    pub devices: Vec<String>,
 }
 
 impl ComputedBy {
     /// One backend on one device.
     pub fn new(backend: Backend, device: impl Into<String>) -> Self {
-        Self { backends: vec![backend], device: device.into() }
+        Self { backends: vec![backend], devices: vec![device.into()] }
     }
 
-    /// Both.
+    /// Both, each named once.
     pub fn merge(&self, other: &Self) -> Self {
         let mut merged = self.clone();
         for b in &other.backends {
@@ -52,10 +54,17 @@ impl ComputedBy {
                 merged.backends.push(*b);
             }
         }
-        if self.device != other.device {
-            merged.device = format!("{}; {}", self.device, other.device);
+        for d in &other.devices {
+            if !merged.devices.contains(d) {
+                merged.devices.push(d.clone());
+            }
         }
         merged
+    }
+
+    /// All devices in one line.
+    pub fn device(&self) -> String {
+        self.devices.join("; ")
     }
 }
 
@@ -77,7 +86,8 @@ impl Control {
     }
 }
 
-/// Raw sums over the realizations of one batch. A batch starts at a multiple of `LEAF` and its result is whole or an
+/// Raw sums over the realizations of one batch. `Error::Device` means that the device failed at it: the caller may do the
+/// batch again elsewhere (and `analysis` does, on the CPU path); every other error is final. A batch starts at a multiple of `LEAF` and its result is whole or an
 /// error: never a part of the sums.
 pub trait Compute: Send + Sync {
     /// Who computes.

@@ -93,6 +93,12 @@ impl NearestNeighbors {
 
     /// Adds other realizations of the same process.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
+        // Batches mostly come in order, one after the other.
+        let follows = self.realizations.last().map(|r| r.index) < other.realizations.first().map(|r| r.index);
+        if follows {
+            self.realizations.extend_from_slice(&other.realizations);
+            return Ok(());
+        }
         let mut merged = [self.realizations.as_slice(), &other.realizations].concat();
         merged.sort_by_key(|r| r.index);
         if let Some(twice) = merged.windows(2).find(|w| w[0].index == w[1].index) {

@@ -40,7 +40,7 @@ pub struct PairCorrelation {
 }
 
 impl Normalization {
-    /// `sum N` and `sum N^2` over realizations, and `sum c N` from `sum c n` and `sum c n^2`.
+    /// `sum N` and `sum N^2` over realizations.
     fn sums(self, counts: &PairCounts) -> (u128, u128) {
         let [n1, n2, n3, n4] = counts.n_moments;
         match self {

@@ -50,14 +50,16 @@ pub struct Kernel {
 
 /// Fine bins per bandwidth, where `MAX_FINE_BINS` allows. A pair is spread evenly over its fine bin, so its distance is
 /// off by at most half of it (bandwidth / 8192) either way: g moves by at most about 1e-5 of max(1, g) even where a kernel
-/// covers only a hundred pairs (tested against the exact sum; the box kernel, which jumps, by one pair at each jump).
+/// covers only a hundred pairs (tested against the exact sum; the box kernel, which jumps, by one pair at each jump), and
+/// in proportion more where the bins are fewer. Mass that the kernel puts below r = 0 is lost: there is no boundary
+/// correction.
 const FINE: f64 = 4096.0;
 
 /// With fewer fine bins per bandwidth than this the estimate is refused.
-const COARSEST: f64 = 256.0;
+const COARSEST: f64 = 128.0;
 
-/// Fine bins in all: 40 MB of moments.
-const MAX_FINE_BINS: f64 = 524_288.0;
+/// Fine bins in all. With more the f32 filter decides too few pairs.
+const MAX_FINE_BINS: f64 = 262_144.0;
 
 impl Kernel {
     /// Checks the bandwidth. The default is Stoyan's rule, an Epanechnikov half-width of `0.15 / sqrt(lambda)` in 2D

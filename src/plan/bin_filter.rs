@@ -41,7 +41,7 @@ pub struct BinTable {
     pub first_cell: u32,
     /// The only edge that can be near, or `SEARCH`.
     pub cells: Vec<u32>,
-    /// Per edge, the largest r2 that is surely below it (in steps of 2^-32, f32). Below = `r2 < low`.
+    /// Per edge, in steps of 2^-32 squared: every `r2 < low` is surely below it.
     pub low: Vec<f32>,
     /// Per edge, above = `r2 > high`.
     pub high: Vec<f32>,
@@ -111,7 +111,8 @@ impl BinFilter {
     }
 
     /// What the filter says about `r2`: `Ok(slot)`, or `Err(Some(e))` to be settled at edge `e`, or `Err(None)` to be
-    /// searched. The kernels' own code does the same, unrolled; this is the definition they are compared with.
+    /// searched. The rule in plain code, tested against the edges themselves; the kernels unroll it, and are tested by
+    /// their counts.
     pub fn slot(&self, r2: f32, bins: usize) -> Result<usize, Option<usize>> {
         match self {
             Self::Linear { bins_per_step, relative_guard, absolute_guard } => {

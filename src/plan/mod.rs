@@ -52,6 +52,8 @@ impl std::fmt::Display for Batch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
         let (each, budget) = (mib(self.bytes_each), mib(MEMORY_BUDGET));
-        write!(f, "batches of {} realizations of {each:.3} MiB, within {budget} MiB", self.realizations)
+        let over = self.realizations * self.bytes_each > MEMORY_BUDGET;
+        let kept = if over { "the least there is, above the budget of" } else { "within" };
+        write!(f, "batches of {} realizations of {each:.3} MiB, {kept} {budget} MiB", self.realizations)
     }
 }

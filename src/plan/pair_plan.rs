@@ -51,10 +51,11 @@ impl PairPlan {
                 );
                 return Err(Error::setting("--r-max", r_max, reason));
             }
-        } else if r_max >= domain.shortest_side() {
+        } else if r_max > domain.shortest_side() * (1.0 - 1e-6) {
+            // So close to it translation weights grow without bound.
             let limit = domain.shortest_side();
             let reason = format!(
-                "expected less than the shortest side of the window ({limit}): no pair is that far apart there"
+                "expected less than the shortest side of the window ({limit}): beyond, some directions are never seen"
             );
             return Err(Error::setting("--r-max", r_max, reason));
         }

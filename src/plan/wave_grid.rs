@@ -16,6 +16,15 @@ pub struct WaveGrid {
 /// Frequencies above this are refused: `m` must be exact in f32.
 pub const MAX_FREQUENCY: u32 = 1 << 22;
 
+/// Bytes that sums, estimates and output take per mode of the whole grid, measured.
+const BYTES_PER_MODE: u128 = 32;
+
+/// Larger grids are refused: they would take more than about 16 GiB.
+const MAX_MODES: u128 = 1 << 29;
+
+/// The default grid never has more modes than this (about 2 GiB).
+const MAX_DEFAULT_MODES: f64 = 67_108_864.0;
+
 impl WaveGrid {
     /// The grid with the given largest frequency per axis (`max_frequency.len()` axes).
     pub fn new(max_frequency: &[u32]) -> Result<Self> {
@@ -28,20 +37,23 @@ impl WaveGrid {
         }
         let grid = Self { dim: max_frequency.len(), max_frequency: all };
         let modes: u128 = all.iter().map(|&f| 2 * u128::from(f) + 1).product();
-        // One f64 grid of this size is 16 GiB; the largest the output files are meant for.
-        if modes > 1 << 31 {
+        if modes > MAX_MODES {
             let value = max_frequency.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-            let reason = format!("{modes} wave vectors need {} GiB per grid; at most 2^31 are supported", modes >> 27);
+            let gib = (modes * BYTES_PER_MODE) >> 30;
+            let reason = format!("{modes} wave vectors need about {gib} GiB; at most {MAX_MODES} are supported");
             return Err(Error::setting("--max-frequency", value, reason));
         }
         Ok(grid)
     }
 
     /// The default grid, `F = ceil(5 n^(1/d))` on a cube; on unequal sides `F_k` grows with the side so that the
-    /// largest frequency per unit length is the same on every axis.
+    /// largest frequency per unit length is the same on every axis. Where that would be more than `MAX_DEFAULT_MODES`
+    /// modes, n counts as what reaches just that many.
     pub fn default_max_frequency(n: f64, domain: &Domain) -> Vec<u32> {
         let d = domain.dim() as f64;
         let mean_side = domain.measure().powf(1.0 / d);
+        // About 10^d modes per point.
+        let n = n.min(MAX_DEFAULT_MODES / 10f64.powf(d));
         let f = |&side: &f64| {
             let exact = 5.0 * n.powf(1.0 / d) * side / mean_side;
             // An exact integer must not be lifted by the rounding of the root.

@@ -6,6 +6,8 @@ pub mod write;
 
 pub use domain::{Boundary, Domain};
 
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 
 /// Points as a reader or a sampler delivers them, before the domain is known.
@@ -186,15 +188,14 @@ impl Ensemble {
 
     /// Number of points that coincide with an earlier point of the same realization.
     pub fn duplicates(&self) -> u64 {
-        let mut duplicates = 0;
-        for k in 0..self.realizations() {
+        let in_realization = |k: usize| {
             let axes = self.fractions(k);
-            let mut keys: Vec<[u64; 3]> =
-                (0..self.points_in(k)).map(|j| std::array::from_fn(|a| axes.get(a).map_or(0, |x| x[j]))).collect();
+            let key = |j: usize| -> [u64; 3] { std::array::from_fn(|a| axes.get(a).map_or(0, |x| x[j])) };
+            let mut keys: Vec<_> = (0..self.points_in(k)).map(key).collect();
             keys.sort_unstable();
-            duplicates += keys.windows(2).filter(|w| w[0] == w[1]).count() as u64;
-        }
-        duplicates
+            keys.windows(2).filter(|w| w[0] == w[1]).count() as u64
+        };
+        (0..self.realizations()).into_par_iter().map(in_realization).sum()
     }
 }
 

@@ -5,7 +5,7 @@ use crate::analysis::Analysis;
 
 /// Subject, device, and one line per statistic.
 pub fn headline(a: &Analysis) -> String {
-    let mut lines = vec![format!("{}, on {}", a.subject, a.computed_by.device)];
+    let mut lines = vec![format!("{}, on {}", a.subject, a.computed_by.device())];
     if let Some(g) = &a.pair_correlation {
         let pairs: u64 = g.count.iter().sum();
         let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));

@@ -78,7 +78,7 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
     let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
     let backends: Vec<_> = a.computed_by.backends.iter().map(|b| backend(*b)).collect();
     let mut rows = vec![
-        ("Device".into(), escape(&a.computed_by.device)),
+        ("Device".into(), escape(&a.computed_by.device())),
         ("Backend".into(), backends.join(", ")),
         ("Program".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into()),
     ];

@@ -24,7 +24,7 @@ struct Summary<'a> {
     d: usize,
     domain: DomainOut<'a>,
     plan: &'a str,
-    device: &'a str,
+    device: String,
     backends: &'a [Backend],
     accuracy: Option<AccuracyOut>,
     pair_correlation: Option<PairCorrelationOut>,
@@ -149,7 +149,7 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             closest_packing_distance: a.domain.closest_packing_distance(a.shape.mean_points),
         },
         plan: &a.plan,
-        device: &a.computed_by.device,
+        device: a.computed_by.device(),
         backends: &a.computed_by.backends,
         // Pair counts are exact at either setting, so without a spectrum there is nothing to bound.
         accuracy: a

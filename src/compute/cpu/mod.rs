@@ -19,6 +19,14 @@ use crate::points::Ensemble;
 /// More threads than this are a typing error.
 const MAX_THREADS: usize = 4096;
 
+/// Whether that many threads can be asked for.
+pub fn check_threads(threads: usize) -> Result<()> {
+    if (1..=MAX_THREADS).contains(&threads) {
+        return Ok(());
+    }
+    Err(Error::setting("--threads", threads, format!("expected 1 to {MAX_THREADS}")))
+}
+
 /// The native implementation with its own pool of threads.
 #[derive(Debug)]
 pub struct Cpu {
@@ -36,10 +44,8 @@ impl Cpu {
     /// falls back to the best it has.
     #[doc(hidden)]
     pub fn with_level(threads: Option<usize>, level: SimdLevel) -> Result<Self> {
-        if let Some(t) = threads
-            && !(1..=MAX_THREADS).contains(&t)
-        {
-            return Err(Error::setting("--threads", t, format!("expected 1 to {MAX_THREADS}")));
+        if let Some(threads) = threads {
+            check_threads(threads)?;
         }
         // 0 lets rayon ask the operating system.
         let pool = rayon::ThreadPoolBuilder::new()

@@ -36,7 +36,8 @@ pub fn squared_distance(axes: &[&[u64]], periods: [u64; 3], i: usize, j: usize) 
 }
 
 /// The translation weight `prod_k a_k / (a_k - |h_k|)` of a pair in steps of 2^-32, rounded to nearest; `a_k` and `h_k`
-/// in units of the domain's length unit. 0 for a pair as far apart as the window is wide, which no bin accepts.
+/// in units of the domain's length unit. Plans keep `r_max` below the window's shortest side, so `h_k < a_k` for
+/// every pair that a bin accepts.
 pub fn translation_weight(axes: &[&[u64]], domain: &Domain, i: usize, j: usize) -> u64 {
     let mut weight = 1.0;
     for (axis, side) in axes.iter().zip(domain.sides()) {

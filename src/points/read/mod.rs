@@ -7,6 +7,7 @@
 //! 4. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
+mod edges;
 mod npy;
 mod npz;
 mod raw;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 
+pub use edges::read_edges;
 pub use raw::{RawElement, RawLayout};
 
 /// What the command line says about its input files.

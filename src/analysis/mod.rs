@@ -1,19 +1,23 @@
 //! A request, carried out: points -> plan -> compute -> accumulate -> estimate, in batches. The command line and the
 //! viewer both call this and hold no arithmetic of their own.
 
-use std::path::Path;
+mod plan;
+
 use std::time::Instant;
 
+pub use plan::Plan;
+use plan::check_points;
+
 use crate::accumulate::{PairCounts, WavePower};
-use crate::compute::{Compute, ComputedBy, Control, cpu::Cpu};
+use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    Kernel, KernelEstimate, NearestNeighbors, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum, neighbor_distances,
+    KernelEstimate, NearestNeighbors, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    neighbor_distances,
 };
-use crate::plan::{Accuracy, BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};
-use crate::request::{Request, Statistic};
+use crate::request::Request;
 use crate::source::Source;
 
 /// Everything `analyze` found.
@@ -72,103 +76,6 @@ pub struct ClosedForm {
     pub radial: Option<Vec<f64>>,
 }
 
-/// Everything decided before the first sum: a value that can be printed.
-#[derive(Debug)]
-pub struct Plan {
-    pairs: Option<PairPlan>,
-    /// A second pass over the pairs, into the fine bins behind a kernel estimate.
-    fine: Option<(Kernel, PairPlan)>,
-    waves: Option<WavePlan>,
-    neighbors: bool,
-    /// Whether the grid itself is wanted, not only its rings.
-    grid_wanted: bool,
-    batch: u64,
-}
-
-impl Plan {
-    /// Decides from the request and the number of points.
-    pub fn new(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Self> {
-        let wants = |s| request.stats.contains(&s);
-        let bins = wants(Statistic::Pcf).then(|| bins(request, domain, shape.mean_points)).transpose()?;
-        let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
-        let correction = request.correction.unwrap_or(default_correction);
-        let fine = match (&bins, request.kernel) {
-            (Some(bins), Some(kernel)) => {
-                let kernel = Kernel::new(kernel, request.bandwidth, domain, shape.mean_points)?;
-                let fine = kernel.fine_bins(bins.r_max(), domain)?;
-                Some((kernel, PairPlan::new(domain, fine, correction, shape)?))
-            }
-            _ => None,
-        };
-        let pairs = bins.map(|bins| PairPlan::new(domain, bins, correction, shape)).transpose()?;
-        let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
-            let given = request.max_frequency.as_deref();
-            let frequencies = match given {
-                Some([f]) => vec![*f; domain.dim()],
-                Some(each) => each.to_vec(),
-                None => WaveGrid::default_max_frequency(shape.mean_points, domain),
-            };
-            Some(WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?)
-        } else {
-            None
-        };
-        let batches =
-            [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
-        // Neighbours alone need no more than any of these: 4096 realizations at a time.
-        let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
-        let plan = Self {
-            pairs,
-            fine,
-            waves,
-            neighbors: wants(Statistic::Neighbors),
-            grid_wanted: wants(Statistic::Spectrum),
-            batch,
-        };
-        plan.check_points(shape)?;
-        Ok(plan)
-    }
-
-    fn check_points(&self, shape: EnsembleShape) -> Result<()> {
-        let enough = if self.pairs.is_some() || self.neighbors { 2 } else { 1 };
-        if shape.max_points < enough {
-            let n = shape.max_points;
-            let reason = if n == 0 {
-                "no realization has any points; nothing can be measured".to_string()
-            } else {
-                "pcf and neighbors need a realization of at least 2 points, the largest has 1; \
-                 --stats spectrum works with 1"
-                    .to_string()
-            };
-            return Err(Error::input("points", reason));
-        }
-        Ok(())
-    }
-}
-
-impl std::fmt::Display for Plan {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Some(pairs) = &self.pairs {
-            write!(f, "{pairs}")?;
-        }
-        if let Some((kernel, fine)) = &self.fine {
-            writeln!(f, "kernel estimate: {:?}, bandwidth {}, from fine counts:", kernel.shape, kernel.bandwidth)?;
-            write!(f, "{fine}")?;
-        }
-        if let Some(waves) = &self.waves {
-            write!(f, "{waves}")?;
-        }
-        if self.neighbors {
-            writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
-        }
-        let skipped =
-            [(self.pairs.is_none(), "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];
-        for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
-            writeln!(f, "skipped: {name} (not asked for)")?;
-        }
-        writeln!(f, "together: {} realizations at a time", self.batch)
-    }
-}
-
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
@@ -178,48 +85,6 @@ pub struct Progress {
     pub done: u64,
     /// Of how many.
     pub total: u64,
-}
-
-/// Computes, and falls back to the CPU path where the device cannot or fails.
-struct Device<'a> {
-    compute: &'a dyn Compute,
-    fallback: Option<Cpu>,
-    threads: Option<usize>,
-    /// The device failed; everything goes to the fallback from here on.
-    failed: bool,
-    warnings: Vec<String>,
-}
-
-impl Device<'_> {
-    /// Runs `work` on the device or, where it does not support it or fails at it, on the CPU path. A failed batch leaves
-    /// nothing behind, so it is simply done again.
-    fn run<T>(&mut self, supported: Result<(), String>, work: impl Fn(&dyn Compute) -> Result<T>) -> Result<T> {
-        if !self.failed {
-            match supported {
-                Ok(()) => match work(self.compute) {
-                    Err(error @ Error::Device { .. }) => {
-                        self.failed = true;
-                        self.warn(format!("{error}; continued on the native CPU path"));
-                    }
-                    done => return done,
-                },
-                Err(why) => self.warn(format!("{why}; done on the native CPU path")),
-            }
-        }
-        if self.fallback.is_none() {
-            self.fallback = Some(Cpu::new(self.threads)?);
-        }
-        match &self.fallback {
-            Some(cpu) => work(cpu),
-            None => Err(Error::Cancelled),
-        }
-    }
-
-    fn warn(&mut self, warning: String) {
-        if !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
-        }
-    }
 }
 
 /// Carries out a request on points and a device.
@@ -232,7 +97,7 @@ pub fn run(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Analysis> {
     let shape = source.shape();
-    let mut device = Device { compute, fallback: None, threads: request.threads, failed: false, warnings: Vec::new() };
+    let mut device = WithFallback::new(compute, request.threads);
     let mut pairs: Option<PairCounts> = None;
     let mut fine: Option<PairCounts> = None;
     let mut waves: Option<WavePower> = None;
@@ -259,10 +124,7 @@ pub fn run(
         ] {
             if let Some(plan) = plan {
                 tell(name);
-                let part = clock.time(name, || {
-                    let supported = device.compute.supports_pair_counts(plan);
-                    device.run(supported, |c| c.pair_counts(plan, &batch, control))
-                })?;
+                let part = clock.time(name, || device.pair_counts(plan, &batch, control))?;
                 match sums {
                     Some(sums) => sums.merge(&part)?,
                     None => *sums = Some(part),
@@ -271,10 +133,7 @@ pub fn run(
         }
         if let Some(plan) = &plan.waves {
             tell("wave_power");
-            let part = clock.time("wave_power", || {
-                let supported = device.compute.supports_wave_power(plan);
-                device.run(supported, |c| c.wave_power(plan, &batch, control))
-            })?;
+            let part = clock.time("wave_power", || device.wave_power(plan, &batch, control))?;
             match &mut waves {
                 Some(sums) => sums.merge(part)?,
                 None => waves = Some(part),
@@ -301,10 +160,23 @@ pub fn run(
         mean_points: points.2 as f64 / shape.realizations as f64,
         max_points: points.1,
     };
-    plan.check_points(shape)?;
-    let mut warnings = device.warnings;
+    check_points(plan.pairs.is_some() || plan.neighbors, shape)?;
+    let mut warnings = device.into_warnings();
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
+    }
+    let empty = pairs.as_ref().map_or(0, |p| p.counts.iter().filter(|&&c| c == 0).count());
+    if empty > 0 && shape.realizations >= 2 {
+        warnings.push(format!(
+            "{empty} bins hold no pair in any realization: g = 0 there, and its standard error across realizations is 0"
+        ));
+    }
+    if let Some(waves) = plan.waves.as_ref().filter(|_| request.max_frequency.is_none()) {
+        let (reach, wanted) =
+            (waves.grid.max_frequency()[0], 5.0 * shape.mean_points.powf(1.0 / waves.grid.dim() as f64));
+        if source.domain().is_cubic() && f64::from(reach) < 0.9 * wanted {
+            warnings.push(format!("P reaches |m| = {reach} only, to bound its memory; --max-frequency asks for more"));
+        }
     }
     if plan.waves.is_some() && !source.domain().is_torus() {
         let warning = "P in a window is the plain periodogram at the window's own frequencies m / L: without a taper, \
@@ -356,34 +228,6 @@ pub fn run(
         warnings,
         first,
     })
-}
-
-/// The bins a request asks for.
-fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBins> {
-    if let Some(path) = &request.edges {
-        return RadialBins::from_edges(read_edges(path)?);
-    }
-    let r_max = request.r_max.unwrap_or_else(|| PairPlan::default_r_max(domain, mean_points));
-    let bins = request.bins.unwrap_or(256);
-    match request.bin_scale.unwrap_or(BinScale::Linear) {
-        BinScale::Log => RadialBins::logarithmic(r_max * 1e-3, r_max, bins),
-        BinScale::Linear | BinScale::Given => RadialBins::linear(r_max, bins),
-    }
-}
-
-/// Numbers separated by blanks, commas or line ends; `#` starts a comment.
-fn read_edges(path: &Path) -> Result<Vec<f64>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
-    let mut edges = Vec::new();
-    for (line, content) in text.trim_start_matches('\u{feff}').lines().enumerate() {
-        let content = content.split('#').next().unwrap_or_default();
-        for word in content.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|w| !w.is_empty()) {
-            edges.push(word.parse().map_err(|_| {
-                Error::input(format!("{}:{}", path.display(), line + 1), format!("`{word}` is not a number"))
-            })?);
-        }
-    }
-    Ok(edges)
 }
 
 /// What theory says about the source, on a cubic torus.

@@ -1,0 +1,109 @@
+//! A request and the number of points -> everything decided before the first sum: a value that prints.
+
+use std::fmt;
+
+use crate::error::{Error, Result};
+use crate::estimate::Kernel;
+use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::points::Domain;
+use crate::points::read::read_edges;
+use crate::request::{Request, Statistic};
+
+/// Everything decided before the first sum: a value that can be printed.
+#[derive(Debug)]
+pub struct Plan {
+    pub(super) pairs: Option<PairPlan>,
+    /// A second pass over the pairs, into the fine bins behind a kernel estimate.
+    pub(super) fine: Option<(Kernel, PairPlan)>,
+    pub(super) waves: Option<WavePlan>,
+    pub(super) neighbors: bool,
+    /// Whether the grid itself is wanted, not only its rings.
+    pub(super) grid_wanted: bool,
+    pub(super) batch: u64,
+}
+
+impl Plan {
+    /// Decides from the request and the number of points.
+    pub fn new(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Self> {
+        let wants = |s| request.stats.contains(&s);
+        check_points(wants(Statistic::Pcf) || wants(Statistic::Neighbors), shape)?;
+        let bins = wants(Statistic::Pcf).then(|| bins(request, domain, shape.mean_points)).transpose()?;
+        let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
+        let correction = request.correction.unwrap_or(default_correction);
+        let fine = match (&bins, request.kernel) {
+            (Some(bins), Some(kernel)) => {
+                let kernel = Kernel::new(kernel, request.bandwidth, domain, shape.mean_points)?;
+                let fine = kernel.fine_bins(bins.r_max(), domain)?;
+                Some((kernel, PairPlan::new(domain, fine, correction, shape)?))
+            }
+            _ => None,
+        };
+        let pairs = bins.map(|bins| PairPlan::new(domain, bins, correction, shape)).transpose()?;
+        let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
+            let given = request.max_frequency.as_deref();
+            let frequencies = match given {
+                Some([f]) => vec![*f; domain.dim()],
+                Some(each) => each.to_vec(),
+                None => WaveGrid::default_max_frequency(shape.mean_points, domain),
+            };
+            Some(WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?)
+        } else {
+            None
+        };
+        let batches =
+            [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
+        // Neighbours alone need no more than any of these: 4096 realizations at a time.
+        let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
+        let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
+        Ok(Self { pairs, fine, waves, neighbors, grid_wanted, batch })
+    }
+}
+
+/// Whether the realizations hold enough points for pairs, or for anything.
+pub(super) fn check_points(pairs: bool, shape: EnsembleShape) -> Result<()> {
+    let reason = match shape.max_points {
+        0 => "no realization has any points; nothing can be measured",
+        1 if pairs => {
+            "pcf and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
+        }
+        _ => return Ok(()),
+    };
+    Err(Error::input("points", reason))
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(pairs) = &self.pairs {
+            write!(f, "{pairs}")?;
+        }
+        if let Some((kernel, fine)) = &self.fine {
+            writeln!(f, "kernel estimate: {:?}, bandwidth {}, from fine counts:", kernel.shape, kernel.bandwidth)?;
+            write!(f, "{fine}")?;
+        }
+        if let Some(waves) = &self.waves {
+            write!(f, "{waves}")?;
+        }
+        if self.neighbors {
+            writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
+        }
+        let skipped =
+            [(self.pairs.is_none(), "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];
+        for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
+            writeln!(f, "skipped: {name} (not asked for)")?;
+        }
+        writeln!(f, "together: {} realizations at a time", self.batch)
+    }
+}
+
+/// The bins a request asks for.
+fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBins> {
+    if let Some(path) = &request.edges {
+        return RadialBins::from_edges(read_edges(path)?);
+    }
+    let r_max = request.r_max.unwrap_or_else(|| PairPlan::default_r_max(domain, mean_points));
+    let bins = request.bins.unwrap_or(256);
+    match request.bin_scale.unwrap_or(BinScale::Linear) {
+        BinScale::Log => RadialBins::logarithmic(r_max * 1e-3, r_max, bins),
+        BinScale::Linear | BinScale::Given => RadialBins::linear(r_max, bins),
+    }
+}
