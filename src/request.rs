@@ -63,7 +63,7 @@ pub struct PointsRequest {
     pub domain: Option<Boundary>,
 
     /// Sides of the torus [default: 1 each]
-    #[arg(long = "box", value_name = "L1,L2[,L3]", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long = "box", value_name = "L1,L2[,L3]", value_delimiter = ',', allow_hyphen_values = true)]
     pub sides: Option<Vec<f64>>,
 
     /// The window the points were observed in
@@ -71,7 +71,7 @@ pub struct PointsRequest {
         long,
         value_name = "x0,x1,y0,y1[,z0,z1]",
         value_delimiter = ',',
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         conflicts_with_all = ["sides", "sampler"]
     )]
     pub window: Option<Vec<f64>>,
@@ -94,11 +94,11 @@ pub struct Request {
     pub stats: Vec<Statistic>,
 
     /// Largest distance [default: 8 closest-packing distances, at most half the shortest side]
-    #[arg(long, value_name = "R", conflicts_with = "edges")]
+    #[arg(long, value_name = "R", conflicts_with = "edges", allow_negative_numbers = true)]
     pub r_max: Option<f64>,
 
     /// Number of distance bins [default: 256]
-    #[arg(long, value_name = "B", conflicts_with = "edges")]
+    #[arg(long, value_name = "B", conflicts_with = "edges", allow_negative_numbers = true)]
     pub bins: Option<usize>,
 
     /// Spacing of the bins; log covers three decades below r-max [default: linear]
@@ -114,7 +114,7 @@ pub struct Request {
     pub kernel: Option<SmoothingKernel>,
 
     /// Standard deviation of the kernel [default: Stoyan's rule, 0.15 / sqrt(5 lambda) in 2D]
-    #[arg(long, value_name = "SD", requires = "kernel")]
+    #[arg(long, value_name = "SD", requires = "kernel", allow_negative_numbers = true)]
     pub bandwidth: Option<f64>,
 
     /// Edge correction [default: translation in a window, none on a torus]
@@ -126,7 +126,7 @@ pub struct Request {
     pub normalization: Normalization,
 
     /// Largest frequency, for all axes or per axis [default: ceil(5 n^(1/d))]
-    #[arg(long, value_name = "F[,F2[,F3]]", value_delimiter = ',')]
+    #[arg(long, value_name = "F[,F2[,F3]]", value_delimiter = ',', allow_negative_numbers = true)]
     pub max_frequency: Option<Vec<u32>>,
 
     /// auto, cpu, gpu, reference, or an index of `pairwave devices`
@@ -138,7 +138,7 @@ pub struct Request {
     pub accuracy: Accuracy,
 
     /// Threads of the CPU path [default: one per core]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 

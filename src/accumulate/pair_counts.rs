@@ -34,13 +34,13 @@ pub struct PairCounts {
     pub counts: Vec<u64>,
     /// Weight sums per bin in steps of 2^-32, `None` without edge correction.
     pub weights: Option<Vec<u128>>,
-    /// Per bin: sums of c^2, c n, c n^2, where c is the count (exact), or the weight sum in steps of 2^-8 (rounded down
-    /// per realization; only the error estimate uses it).
+    /// Per bin: sums of c^2, c n, c n^2, where c is the count (exact), or the weight sum in steps of 2^-16 (rounded per
+    /// realization; only the error estimate uses it).
     pub moments: Vec<[u128; 3]>,
 }
 
 /// Bits of a weight sum that its second moment drops, so that its square fits u128.
-const MOMENT_SHIFT: u32 = 24;
+const MOMENT_SHIFT: u32 = 16;
 
 impl PairCounts {
     /// No realizations yet.
@@ -77,7 +77,7 @@ impl PairCounts {
         }
         for (bin, moments) in self.moments.iter_mut().enumerate() {
             let c = match &histogram.weights {
-                Some(weights) => weights[bin] >> MOMENT_SHIFT,
+                Some(weights) => (weights[bin] + (1 << (MOMENT_SHIFT - 1))) >> MOMENT_SHIFT,
                 None => u128::from(histogram.counts[bin]),
             };
             moments[0] += c * c;

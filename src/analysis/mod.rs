@@ -194,6 +194,13 @@ pub fn run(
         }
         _ => None,
     };
+    let empty = kernel.as_ref().map_or(0, |k| k.r.iter().zip(&k.g).filter(|(r, g)| **r > 0.0 && g.is_none()).count());
+    if empty > 0 {
+        warnings.push(format!(
+            "the kernel reaches past the longest distance the domain allows at {empty} of the bins: g_kernel is left empty \
+             there; a smaller --bandwidth or --r-max avoids it"
+        ));
+    }
     let spectrum = plan.waves.as_ref().zip(waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
     let radial = match (&plan.waves, &waves, &spectrum) {
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),

@@ -1,6 +1,7 @@
 //! A request and the number of points -> everything decided before the first sum: a value that prints.
 
 use std::fmt;
+use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::estimate::Kernel;
@@ -27,6 +28,7 @@ impl Plan {
     pub fn new(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Self> {
         let wants = |s| request.stats.contains(&s);
         check_points(wants(Statistic::Pcf) || wants(Statistic::Neighbors), shape)?;
+        refuse_idle_settings(request)?;
         let bins = wants(Statistic::Pcf).then(|| bins(request, domain, shape.mean_points)).transpose()?;
         let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
         let correction = request.correction.unwrap_or(default_correction);
@@ -38,7 +40,13 @@ impl Plan {
             }
             _ => None,
         };
-        let pairs = bins.map(|bins| PairPlan::new(domain, bins, correction, shape)).transpose()?;
+        let pairs =
+            bins.map(|bins| PairPlan::new(domain, bins, correction, shape)).transpose().map_err(|e| match &request
+                .edges
+            {
+                Some(path) => blame_edges(e, path),
+                None => e,
+            })?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
             let frequencies = match given {
@@ -56,6 +64,29 @@ impl Plan {
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
         Ok(Self { pairs, fine, waves, neighbors, grid_wanted, batch })
+    }
+}
+
+/// A setting of a statistic that was not asked for would be silently ignored.
+fn refuse_idle_settings(request: &Request) -> Result<()> {
+    let text = |value: Option<String>| value.unwrap_or_default();
+    let pcf = [
+        ("--r-max", text(request.r_max.map(|r| r.to_string()))),
+        ("--bins", text(request.bins.map(|b| b.to_string()))),
+        ("--bin-scale", text(request.bin_scale.map(|s| format!("{s:?}").to_lowercase()))),
+        ("--edges", text(request.edges.as_ref().map(|e| e.display().to_string()))),
+        ("--kernel", text(request.kernel.map(|k| format!("{k:?}").to_lowercase()))),
+        ("--correction", text(request.correction.map(|c| format!("{c:?}").to_lowercase()))),
+    ];
+    let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+    let waves = [("--max-frequency", text(request.max_frequency.as_ref().map(list)))];
+    let wants = |s| request.stats.contains(&s);
+    let idle_pcf = pcf.into_iter().filter(|_| !wants(Statistic::Pcf)).map(|(f, v)| (f, v, "pcf"));
+    let no_waves = !wants(Statistic::Spectrum) && !wants(Statistic::Radial);
+    let idle_waves = waves.into_iter().filter(|_| no_waves).map(|(f, v)| (f, v, "spectrum or radial"));
+    match idle_pcf.chain(idle_waves).find(|(_, value, _)| !value.is_empty()) {
+        Some((flag, value, statistic)) => Err(Error::setting(flag, value, format!("needs {statistic} among --stats"))),
+        None => Ok(()),
     }
 }
 
@@ -95,10 +126,22 @@ impl fmt::Display for Plan {
     }
 }
 
+/// An error about distances, told of the file they came from.
+fn blame_edges(error: Error, path: &Path) -> Error {
+    match error {
+        Error::Setting { flag: "--r-max", value, reason } => {
+            Error::setting("--edges", path.display(), format!("its last edge {value}: {reason}"))
+        }
+        Error::Setting { flag: "--edges" | "--bins", reason, .. } => Error::setting("--edges", path.display(), reason),
+        other => other,
+    }
+}
+
 /// The bins a request asks for.
 fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBins> {
     if let Some(path) = &request.edges {
-        return RadialBins::from_edges(read_edges(path)?);
+        // What is wrong with them is wrong in that file.
+        return RadialBins::from_edges(read_edges(path)?).map_err(|e| blame_edges(e, path));
     }
     let r_max = request.r_max.unwrap_or_else(|| PairPlan::default_r_max(domain, mean_points));
     let bins = request.bins.unwrap_or(256);

@@ -9,7 +9,7 @@ use pairwave::source::Source;
 use pairwave::{Result, report};
 
 use super::print;
-use super::progress::{Bar, stop_on_interrupt};
+use super::progress::{Bar, stop_on_interrupt, uninterrupted};
 
 #[derive(clap::Args)]
 pub(crate) struct Analyze {
@@ -59,7 +59,7 @@ impl Analyze {
             analysis::run(&self.request, &source, &plan, device.compute.as_ref(), &control, &mut |p| bar.show(p))?;
         bar.finish();
         analysis.parameters.push(("command".into(), command_line()));
-        let files = report::write(out, &analysis, self.force)?;
+        let files = uninterrupted(|| report::write(out, &analysis, self.force))?;
         if !self.quiet {
             for warning in &analysis.warnings {
                 eprintln!("warning: {warning}");

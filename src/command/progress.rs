@@ -1,6 +1,7 @@
 //! Progress on stderr (none when it is not a terminal), and Ctrl-C.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -8,12 +9,23 @@ use pairwave::analysis::Progress;
 use pairwave::compute::Control;
 use pairwave::{Error, Result};
 
+/// Set while results are moved into place: that is soon over, and cutting it short would leave a stage behind.
+static WRITING: AtomicBool = AtomicBool::new(false);
+
+/// Runs `write` to its end, whatever the user types.
+pub(crate) fn uninterrupted<T>(write: impl FnOnce() -> T) -> T {
+    WRITING.store(true, Ordering::SeqCst);
+    let result = write();
+    WRITING.store(false, Ordering::SeqCst);
+    result
+}
+
 /// A control that Ctrl-C cancels; a second Ctrl-C ends the program at once.
 pub(crate) fn stop_on_interrupt() -> Result<Arc<Control>> {
     let control = Arc::new(Control::default());
     let watched = Arc::clone(&control);
     let handler = move || {
-        if watched.check().is_err() {
+        if watched.check().is_err() && !WRITING.load(Ordering::SeqCst) {
             std::process::exit(130);
         }
         watched.cancel();

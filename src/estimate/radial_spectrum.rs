@@ -55,7 +55,8 @@ impl RadialSpectrum {
                 let independent = plan.rings.modes[k] / 2;
                 let variance = spread[k] / (independent as f64 - 1.0);
                 let resolved = p[k] > plan.accuracy.power_bound().zero(plan.shape.mean_points);
-                let defined = independent >= 2 && resolved && variance > (f64::EPSILON * p[k]).powi(2);
+                let defined =
+                    independent >= 2 && resolved && variance > (plan.accuracy.relative_noise() * p[k]).powi(2);
                 // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
                 // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).
                 let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations * independent as f64);

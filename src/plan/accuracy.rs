@@ -53,6 +53,14 @@ impl Accuracy {
         }
     }
 
+    /// Spread among values of P that is rounding and no more, relative to P.
+    pub const fn relative_noise(self) -> f64 {
+        match self {
+            Self::Fast => 1e-6,
+            Self::High => 1e-13,
+        }
+    }
+
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {

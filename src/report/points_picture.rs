@@ -8,7 +8,7 @@ use super::figure::{BLUE, WIDTH, fine, frame, heading, label, picture, thin, tic
 use super::text::human;
 use crate::analysis::Analysis;
 
-/// More points than this are a grey haze and a slow page: the first ones stand for all.
+/// More points than this are a grey haze and a slow page: about as many stand for all.
 pub(super) const MAX_POINTS: usize = 20_000;
 
 /// Longest side of the frame in px.
@@ -17,11 +17,24 @@ const TOP: f64 = 92.0;
 /// A strip's height in px, for one dimension.
 const STRIP: f64 = 60.0;
 
+/// The points drawn: all, or a random choice. (The first ones, or every k-th, of an ordered file would draw a pattern that
+/// is not there.)
+fn shown(n: usize) -> impl Iterator<Item = usize> {
+    let keep = if n > MAX_POINTS { (MAX_POINTS as u64 * (1 << 32)) / n as u64 } else { 1 << 32 };
+    (0..n).filter(move |&j| {
+        // SplitMix64's finalizer: the same choice for the same n, everywhere.
+        let z = (j as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z >> 32) < keep
+    })
+}
+
 /// What the picture shows, in words.
 pub(super) fn caption(analysis: &Analysis) -> String {
     let n = if analysis.first.realizations() > 0 { analysis.first.points_in(0) } else { 0 };
     let mut caption = if n > MAX_POINTS {
-        format!("first realization, first {MAX_POINTS} of {n} points")
+        format!("first realization, {} of its {n} points chosen at random", shown(n).count())
     } else {
         format!("first realization, {n} point{}", if n == 1 { "" } else { "s" })
     };
@@ -51,14 +64,15 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
     let canvas_height = (TOP + height + 64.0).ceil() as u32;
 
     let n = if analysis.first.realizations() > 0 { analysis.first.points_in(0) } else { 0 };
-    let shown = n.min(MAX_POINTS);
+    let chosen: Vec<usize> = shown(n).collect();
+    let shown = chosen.len();
     // A fifth of the mean spacing apart at most, so that dots of a regular pattern never touch.
     let spacing = (width * height / shown.max(1) as f64).sqrt();
     let radius = (0.16 * spacing).clamp(0.5, 3.5);
 
     // One path for all points: a round cap on a line of no length is a dot.
     let mut dots = String::new();
-    for j in 0..shown {
+    for j in chosen {
         let position = analysis.first.position(0, j);
         let x = left + (position[0] - domain.origin()[0]) / side_x * width;
         let _ = match side_y {

@@ -24,8 +24,7 @@ impl Compute for Reference {
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         let mut sums = PairCounts::new(self.computed_by(), plan.bins.len(), plan.weighted());
         for k in 0..ensemble.realizations() {
-            control.check()?;
-            sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k)));
+            sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), control)?);
         }
         Ok(sums)
     }
@@ -33,8 +32,7 @@ impl Compute for Reference {
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
         let mut sums = WavePower::new(self.computed_by(), plan.grid.half_len(), &plan.rings);
         for k in 0..ensemble.realizations() {
-            control.check()?;
-            let power = wave_power::wave_power(&plan.grid, &ensemble.fractions(k));
+            let power = wave_power::wave_power(&plan.grid, &ensemble.fractions(k), control)?;
             sums.add(ensemble.first_index() + k as u64, ensemble.points_in(k) as u64, &power, &plan.rings);
         }
         sums.close_leaf();

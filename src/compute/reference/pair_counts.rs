@@ -15,6 +15,8 @@
 //! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32.
 
 use crate::accumulate::{PairHistogram, WEIGHT_STEPS};
+use crate::compute::Control;
+use crate::error::Result;
 use crate::plan::{Correction, PairPlan};
 use crate::points::Domain;
 
@@ -49,13 +51,14 @@ pub fn translation_weight(axes: &[&[u64]], domain: &Domain, i: usize, j: usize) 
 }
 
 /// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`.
-pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]]) -> PairHistogram {
+pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]], control: &Control) -> Result<PairHistogram> {
     let n = axes[0].len();
     let bins = plan.bins.len();
     let periods = plan.domain.periods();
     let mut counts = vec![0; bins];
     let mut weights = (plan.correction == Correction::Translation).then(|| vec![0; bins]);
     for i in 0..n {
+        control.check()?;
         for j in 0..n {
             if i == j {
                 continue;
@@ -71,5 +74,5 @@ pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]]) -> PairHistogram {
             }
         }
     }
-    PairHistogram { n: n as u64, counts, weights }
+    Ok(PairHistogram { n: n as u64, counts, weights })
 }

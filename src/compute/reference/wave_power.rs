@@ -11,6 +11,8 @@
 //! sine and cosine of the reduced phase are rounded, to f64. Sums are compensated (Neumaier), so that the error does
 //! not grow with n.
 
+use crate::compute::Control;
+use crate::error::Result;
 use crate::plan::WaveGrid;
 
 /// `m . x_j / L mod 1`, in turns, in [-1/2, 1/2).
@@ -23,9 +25,10 @@ pub fn phase_turns(axes: &[&[u64]], m: [i32; 3], j: usize) -> f64 {
 }
 
 /// `|s_m|^2` for every stored mode of the grid. `axes[a][j]` is the fraction of point `j` along axis `a`.
-pub(super) fn wave_power(grid: &WaveGrid, axes: &[&[u64]]) -> Vec<f64> {
+pub(super) fn wave_power(grid: &WaveGrid, axes: &[&[u64]], control: &Control) -> Result<Vec<f64>> {
     let mut power = Vec::with_capacity(grid.half_len());
     for index in 0..grid.half_len() {
+        control.check()?;
         let m = grid.mode(index);
         let (mut re, mut im) = (Compensated::default(), Compensated::default());
         for j in 0..axes[0].len() {
@@ -35,7 +38,7 @@ pub(super) fn wave_power(grid: &WaveGrid, axes: &[&[u64]]) -> Vec<f64> {
         }
         power.push(re.sum().powi(2) + im.sum().powi(2));
     }
-    power
+    Ok(power)
 }
 
 /// A sum that carries its rounding error (Neumaier 1974).
