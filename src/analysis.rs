@@ -115,7 +115,7 @@ impl Plan {
         let batches =
             [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
-        let batch = batches.into_iter().flatten().min().unwrap_or(4096);
+        let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let plan = Self {
             pairs,
             fine,
@@ -165,7 +165,7 @@ impl std::fmt::Display for Plan {
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
             writeln!(f, "skipped: {name} (not asked for)")?;
         }
-        writeln!(f, "batch: {} realizations at a time", self.batch)
+        writeln!(f, "together: {} realizations at a time", self.batch)
     }
 }
 

@@ -78,10 +78,11 @@ impl Error {
         Self::File { path: path.into(), source }
     }
 
-    /// The exit code of the command line: 2 for usage, 1 for data or device.
+    /// The exit code of the command line: 2 for usage, 1 for data or device, 130 after Ctrl-C (as shells do).
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Setting { .. } => 2,
+            Self::Cancelled => 130,
             _ => 1,
         }
     }

@@ -1,6 +1,8 @@
 //! The commands end to end, on files: what a user types, what appears, what is said when it is wrong. Trusts the
 //! library's own tests for the numbers; checks that the right ones reach the files.
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
@@ -76,7 +78,8 @@ fn counts_of_an_independent_program() {
     let unordered: Vec<u64> = column(&expected, "unordered_pairs_f64");
     let scratch = Scratch::new();
     std::fs::copy(data.join("jittered3d_n2744.npy"), scratch.path("points.npy")).unwrap();
-    for device in ["cpu", "reference"].iter().chain(gpu_or_skip("counts_of_an_independent_program")) {
+    let gpu = if common::gpu_tests_skipped("counts of an independent program") { None } else { Some("gpu") };
+    for device in ["cpu", "reference"].into_iter().chain(gpu) {
         let out = format!("out-{device}");
         scratch.ok(&format!("analyze points.npy --stats pcf --r-max 0.3 --bins 100 --device {device} --out {out}"));
         let table = csv(&scratch.path(&out).join("pcf.csv"));
@@ -84,15 +87,6 @@ fn counts_of_an_independent_program() {
         let counts: Vec<u64> = column(&table, "count");
         assert!(counts.iter().eq(unordered.iter().map(|c| 2 * c).collect::<Vec<_>>().iter()), "on {device}");
     }
-}
-
-/// `["gpu"]`, or nothing where a person has opted out.
-fn gpu_or_skip(test: &str) -> &'static [&'static str] {
-    if std::env::var_os("PAIRWAVE_ALLOW_NO_GPU").is_some() {
-        println!("{test}: --device gpu skipped, PAIRWAVE_ALLOW_NO_GPU is set");
-        return &[];
-    }
-    &["gpu"]
 }
 
 #[test]

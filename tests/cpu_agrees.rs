@@ -152,7 +152,7 @@ fn threads_do_not_change_a_bit() {
 
 /// All sums of a spectrum, bit for bit.
 fn bits(power: &WavePower) -> Vec<u64> {
-    let (modes, rings) = power.totals();
+    let (modes, rings) = (power.mode_totals(), power.ring_totals());
     [modes.q, modes.q_squared, modes.q_n, rings.q, rings.q_squared, rings.q_n]
         .iter()
         .flatten()
@@ -255,7 +255,7 @@ fn zeros_stay_zero(n: usize, z: usize) {
     for accuracy in [Accuracy::Fast, Accuracy::High] {
         let plan = wave_plan(&ensemble, &[64, 64], accuracy);
         for cpu in levels() {
-            let q = cpu.wave_power(&plan, &ensemble, &Control::default()).unwrap().totals().0.q;
+            let q = cpu.wave_power(&plan, &ensemble, &Control::default()).unwrap().mode_totals().q;
             let mut worst = 0.0;
             for (index, q) in q.iter().enumerate() {
                 let m = plan.grid.mode(index);

@@ -90,7 +90,7 @@ fn power_and_rings_across_realizations() {
     let spectrum = PowerSpectrum::new(&plan, &sums);
     let radial = RadialSpectrum::new(&plan, &sums, &spectrum);
     let each: Vec<Vec<f64>> = (0..6)
-        .map(|k| reference_power(&plan, &e.slice(k..k + 1)).totals().0.q.iter().map(|q| q / 30.0).collect())
+        .map(|k| reference_power(&plan, &e.slice(k..k + 1)).mode_totals().q.iter().map(|q| q / 30.0).collect())
         .collect();
     let statistics = |values: &[f64]| {
         let mean = values.iter().sum::<f64>() / 6.0;

@@ -31,7 +31,7 @@ fn a_shift_of_the_torus_changes_nothing() {
         let plan = all_pairs(&a);
         assert_eq!(reference_counts(&plan, &a), reference_counts(&plan, &b), "counts, {dim}D");
         let plan = wave_plan(&a, &vec![4; dim], Accuracy::High);
-        let (p, q) = (reference_power(&plan, &a).totals().0.q, reference_power(&plan, &b).totals().0.q);
+        let (p, q) = (reference_power(&plan, &a).mode_totals().q, reference_power(&plan, &b).mode_totals().q);
         assert!(p.iter().zip(&q).all(|(p, q)| (p - q).abs() < 1e-10), "powers, {dim}D");
     }
 }
@@ -45,7 +45,7 @@ fn the_order_of_points_changes_nothing() {
     let plan = all_pairs(&a);
     assert_eq!(reference_counts(&plan, &a), reference_counts(&plan, &b));
     let plan = wave_plan(&a, &[5, 5], Accuracy::High);
-    let (p, q) = (reference_power(&plan, &a).totals().0.q, reference_power(&plan, &b).totals().0.q);
+    let (p, q) = (reference_power(&plan, &a).mode_totals().q, reference_power(&plan, &b).mode_totals().q);
     assert!(p.iter().zip(&q).all(|(p, q)| (p - q).abs() < 1e-11));
 }
 
@@ -111,7 +111,7 @@ fn shards_merge_to_the_bytes_of_the_whole() {
             counts.merge(&more_counts).unwrap();
             power.merge(more_power).unwrap();
             assert_eq!(counts, all_counts, "cut at {cut}");
-            assert_eq!(power.totals(), all_power.totals(), "cut at {cut}");
+            assert_eq!(power.mode_totals(), all_power.mode_totals(), "cut at {cut}");
         }
     }
     let (mut counts, mut power) = run(&whole);

@@ -18,7 +18,7 @@ fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {
 fn power(points: RawPoints, max_frequency: &[u32]) -> (WaveGrid, Vec<f64>) {
     let ensemble = ensemble(&[points]);
     let plan = wave_plan(&ensemble, max_frequency, Accuracy::High);
-    (plan.grid, reference_power(&plan, &ensemble).totals().0.q)
+    (plan.grid, reference_power(&plan, &ensemble).mode_totals().q)
 }
 
 #[test]

@@ -421,7 +421,7 @@ fn the_summary_holds_the_scalars() {
     assert_eq!((&summary["k"], &summary["d"]), (&2.into(), &2.into()));
     assert_eq!(summary["parameters"], serde_json::json!({"z": "1; 3", "a": "2"}));
     assert_eq!(summary["domain"]["boundary"], "torus");
-    assert_eq!(summary["accuracy"]["power_bound"]["max_relative_to_one_plus_p"], 1e-11);
+    assert_eq!(summary["accuracy"]["power_bound"]["max_uniform"], 1e-11);
     assert_eq!(summary["pair_correlation"]["errors"], "across-realizations");
     assert_eq!(summary["spectrum"]["dc_p"].as_f64().unwrap(), a.spectrum.as_ref().unwrap().dc().0);
     assert!(summary["neighbors"]["mean_se"].is_null());

@@ -57,7 +57,21 @@ impl OrderedSum {
 
     /// The total: nodes from the left, smallest leaf index first. Empty if nothing was added.
     pub fn total(&self) -> Vec<f64> {
-        let mut nodes: Vec<_> = self.nodes.iter().map(|(&(level, index), sum)| (index << level, sum)).collect();
+        self.total_with(None)
+    }
+
+    /// The total as if `leaf` (its index and sum) had been added too.
+    pub fn total_with(&self, leaf: Option<(u64, &[f64])>) -> Vec<f64> {
+        let mut with_leaf;
+        let nodes = match leaf {
+            None => &self.nodes,
+            Some((index, sum)) => {
+                with_leaf = self.clone();
+                with_leaf.add_leaf(index, sum.to_vec());
+                &with_leaf.nodes
+            }
+        };
+        let mut nodes: Vec<_> = nodes.iter().map(|(&(level, index), sum)| (index << level, sum)).collect();
         nodes.sort_unstable_by_key(|&(start, _)| start);
         let mut nodes = nodes.into_iter();
         let Some((_, first)) = nodes.next() else { return Vec::new() };

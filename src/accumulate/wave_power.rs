@@ -17,18 +17,20 @@ pub struct WavePower {
     pub n_moments: [u128; 2],
     modes: usize,
     rings: usize,
-    /// q, q^2, q n per mode, then Q, Q^2, Q n per ring, back to back.
-    sums: OrderedSum,
+    mode_sums: OrderedSum,
+    ring_sums: OrderedSum,
     leaf: Option<Leaf>,
 }
 
+/// The leaf being filled: q of every member, then q^2, then q n.
 #[derive(Debug, Clone, PartialEq)]
 struct Leaf {
     index: u64,
-    sum: Vec<f64>,
+    modes: Vec<f64>,
+    rings: Vec<f64>,
 }
 
-/// The totals of one block of `WavePower`: per mode, or per ring.
+/// Totals over realizations, one value per mode or per ring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PowerMoments {
     /// Sum over realizations of q (or of the ring sum of q).
@@ -48,7 +50,8 @@ impl WavePower {
             n_moments: [0; 2],
             modes,
             rings: rings.count,
-            sums: OrderedSum::default(),
+            mode_sums: OrderedSum::default(),
+            ring_sums: OrderedSum::default(),
             leaf: None,
         }
     }
@@ -61,28 +64,27 @@ impl WavePower {
             self.close_leaf();
         }
         let (modes, ring_count) = (self.modes, self.rings);
-        let leaf =
-            self.leaf.get_or_insert_with(|| Leaf { index: index / LEAF, sum: vec![0.0; 3 * (modes + ring_count)] });
+        let leaf = self.leaf.get_or_insert_with(|| Leaf {
+            index: index / LEAF,
+            modes: vec![0.0; 3 * modes],
+            rings: vec![0.0; 3 * ring_count],
+        });
         self.realizations += 1;
         self.n_moments[0] += u128::from(n);
         self.n_moments[1] += u128::from(n) * u128::from(n);
         let n = n as f64;
-        let (mode_sums, ring_sums) = leaf.sum.split_at_mut(3 * modes);
-        let mut ring_totals = vec![0.0; ring_count + 1];
+        add_moments(&mut leaf.modes, power.iter().map(|&q| q.into()), n);
+        let mut totals = vec![0.0; ring_count + 1];
         // The plane m_0 = 0 is stored whole, so a mode and its mirror image are both there; elsewhere one stands for two.
-        let plane = rings.plane_len;
-        for (i, (&q, sums)) in power.iter().zip(mode_sums.chunks_exact_mut(3)).enumerate() {
-            let q: f64 = q.into();
-            sums[0] += q;
-            sums[1] += q * q;
-            sums[2] += q * n;
-            ring_totals[rings.ring_of[i] as usize] += if i < plane { q } else { 2.0 * q };
+        let (plane, rest) = power.split_at(rings.plane_len);
+        let (plane_rings, rest_rings) = rings.ring_of.split_at(rings.plane_len);
+        for (&q, &ring) in plane.iter().zip(plane_rings) {
+            totals[ring as usize] += q.into();
         }
-        for (total, sums) in ring_totals[1..].iter().zip(ring_sums.chunks_exact_mut(3)) {
-            sums[0] += total;
-            sums[1] += total * total;
-            sums[2] += total * n;
+        for (&q, &ring) in rest.iter().zip(rest_rings) {
+            totals[ring as usize] += 2.0 * q.into();
         }
+        add_moments(&mut leaf.rings, totals[1..].iter().copied(), n);
         // A full leaf is closed at once, so that equal content is held in equal form.
         if (index + 1).is_multiple_of(LEAF) {
             self.close_leaf();
@@ -92,7 +94,8 @@ impl WavePower {
     /// Closes the leaf being filled. Called when a batch ends.
     pub fn close_leaf(&mut self) {
         if let Some(leaf) = self.leaf.take() {
-            self.sums.add_leaf(leaf.index, leaf.sum);
+            self.mode_sums.add_leaf(leaf.index, leaf.modes);
+            self.ring_sums.add_leaf(leaf.index, leaf.rings);
         }
     }
 
@@ -105,7 +108,7 @@ impl WavePower {
             let reason = format!("{} modes cannot be merged with {}", self.modes, other.modes);
             return Err(Error::input("wave power", reason));
         }
-        if self.sums.overlaps(&other.sums) {
+        if self.mode_sums.overlaps(&other.mode_sums) {
             return Err(Error::input("wave power", "the two parts hold the same realizations"));
         }
         self.computed_by = self.computed_by.merge(&other.computed_by);
@@ -113,7 +116,8 @@ impl WavePower {
         for (a, b) in self.n_moments.iter_mut().zip(&other.n_moments) {
             *a += b;
         }
-        self.sums.merge(other.sums);
+        self.mode_sums.merge(other.mode_sums);
+        self.ring_sums.merge(other.ring_sums);
         Ok(())
     }
 
@@ -122,20 +126,36 @@ impl WavePower {
         self.modes
     }
 
-    /// The totals per stored mode and per ring.
-    pub fn totals(&self) -> (PowerMoments, PowerMoments) {
-        let mut sums = self.sums.clone();
-        if let Some(leaf) = self.leaf.clone() {
-            sums.add_leaf(leaf.index, leaf.sum);
-        }
-        let mut total = sums.total();
-        total.resize(3 * (self.modes + self.rings), 0.0);
-        let (modes, rings) = total.split_at(3 * self.modes);
-        (unzip(modes), unzip(rings))
+    /// The totals per stored mode.
+    pub fn mode_totals(&self) -> PowerMoments {
+        let open = self.leaf.as_ref().map(|leaf| (leaf.index, leaf.modes.as_slice()));
+        PowerMoments::of(self.mode_sums.total_with(open), self.modes)
+    }
+
+    /// The totals per ring.
+    pub fn ring_totals(&self) -> PowerMoments {
+        let open = self.leaf.as_ref().map(|leaf| (leaf.index, leaf.rings.as_slice()));
+        PowerMoments::of(self.ring_sums.total_with(open), self.rings)
     }
 }
 
-fn unzip(triples: &[f64]) -> PowerMoments {
-    let column = |k: usize| triples.iter().skip(k).step_by(3).copied().collect();
-    PowerMoments { q: column(0), q_squared: column(1), q_n: column(2) }
+/// Adds q, q^2 and q n of one realization to sums laid out one after the other.
+fn add_moments(sums: &mut [f64], values: impl Iterator<Item = f64>, n: f64) {
+    let members = sums.len() / 3;
+    let (q_sums, rest) = sums.split_at_mut(members);
+    let (square_sums, n_sums) = rest.split_at_mut(members);
+    for (((q, sum), squares), with_n) in values.zip(q_sums).zip(square_sums).zip(n_sums) {
+        *sum += q;
+        *squares += q * q;
+        *with_n += q * n;
+    }
+}
+
+impl PowerMoments {
+    fn of(mut sums: Vec<f64>, members: usize) -> Self {
+        sums.resize(3 * members, 0.0);
+        let q_n = sums.split_off(2 * members);
+        let q_squared = sums.split_off(members);
+        Self { q: sums, q_squared, q_n }
+    }
 }

@@ -49,9 +49,10 @@ impl Analyze {
             return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.compute.computed_by().device));
         };
         let bar = Bar::new(self.quiet);
-        let analysis =
+        let mut analysis =
             analysis::run(&self.request, &source, &plan, device.compute.as_ref(), &control, &mut |p| bar.show(p))?;
         bar.finish();
+        analysis.parameters.push(("command".into(), command_line()));
         let files = report::write(out, &analysis, self.force)?;
         if !self.quiet {
             for warning in &analysis.warnings {
@@ -63,4 +64,18 @@ impl Analyze {
         }
         Ok(())
     }
+}
+
+/// What was typed, quoted where a shell would need it.
+fn command_line() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    let quoted = std::env::args_os().skip(1).map(|argument| {
+        let text = argument.to_string_lossy();
+        if !text.is_empty() && text.chars().all(plain) {
+            text.into_owned()
+        } else {
+            format!("'{}'", text.replace('\'', "'\\''"))
+        }
+    });
+    std::iter::once("pairwave".to_string()).chain(quoted).collect::<Vec<_>>().join(" ")
 }

@@ -22,7 +22,7 @@ pub struct PowerSpectrum {
 impl PowerSpectrum {
     /// The estimate.
     pub fn new(plan: &WavePlan, power: &WavePower) -> Self {
-        let (modes, _) = power.totals();
+        let modes = power.mode_totals();
         let (p, p_se) = ratio_estimate(power, &modes, |_| 1.0, |_| 1.0);
         Self { grid: plan.grid, p, p_se, errors: ErrorSource::of(power.realizations) }
     }

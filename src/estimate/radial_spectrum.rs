@@ -45,7 +45,7 @@ impl RadialSpectrum {
     /// Dutre, "A Comparison of Methods for Generating Poisson Disk Distributions", 2008, do not: the two halves of the
     /// plane are the same numbers.)
     pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
-        let (_, ring_moments) = power.totals();
+        let ring_moments = power.ring_totals();
         let modes = |k: usize| plan.rings.modes[k] as f64;
         let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| modes(k) / 2.0);
         let spread = spread(plan, &spectrum.p, &p);
@@ -54,7 +54,7 @@ impl RadialSpectrum {
             .map(|k| {
                 let independent = plan.rings.modes[k] / 2;
                 let variance = spread[k] / (independent as f64 - 1.0);
-                let resolved = p[k] > plan.accuracy.power_bound().lattice_zero;
+                let resolved = p[k] > plan.accuracy.power_bound().zero(plan.shape.mean_points);
                 let defined = independent >= 2 && resolved && variance > (f64::EPSILON * p[k]).powi(2);
                 // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
                 // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).

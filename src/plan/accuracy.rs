@@ -11,23 +11,45 @@ pub enum Accuracy {
     High,
 }
 
-/// What an accuracy level promises about `P(m)` against the reference, for points given as 64-bit fractions.
+/// What an accuracy level promises about `P(m)` against the reference, for points given as 64-bit fractions and any
+/// `|m|` up to `MAX_FREQUENCY` (tested to 65,536).
+///
+/// Errors of scattered points cancel; points that repeat coordinates err alike, and their errors add up like the points
+/// themselves: P is then off by a share of `1 + P` that grows as the square root of n.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PowerBound {
-    /// `max |P - P_ref| / (1 + P_ref)` over all modes, `|m|` up to 65,536.
-    pub max_relative_to_one_plus_p: f64,
+    /// `max |P - P_ref| / (1 + P_ref)` over all modes for uniform points, n up to 65,536.
+    pub max_uniform: f64,
     /// Root mean square of `P - P_ref` for uniform points, n up to 65,536.
     pub rms_uniform: f64,
-    /// Largest `P` where a rank-1 lattice has `P = 0`.
+    /// The same maximum for any points whatever, divided by `sqrt(n)`; never below `max_uniform`.
+    pub max_any_per_root_n: f64,
+    /// Largest `P` where a rank-1 lattice has `P = 0`, n up to 65,536; in proportion to n beyond.
     pub lattice_zero: f64,
+}
+
+impl PowerBound {
+    /// `max |P - P_ref| / (1 + P_ref)` for any n points.
+    pub fn max_any(&self, n: f64) -> f64 {
+        self.max_uniform.max(self.max_any_per_root_n * n.sqrt())
+    }
+
+    /// What a P of 0 may come out as, for n points.
+    pub fn zero(&self, n: f64) -> f64 {
+        self.lattice_zero * (n / 65_536.0).max(1.0)
+    }
 }
 
 impl Accuracy {
     /// The promise about `P`.
     pub const fn power_bound(self) -> PowerBound {
         match self {
-            Self::Fast => PowerBound { max_relative_to_one_plus_p: 2e-5, rms_uniform: 1e-6, lattice_zero: 1e-10 },
-            Self::High => PowerBound { max_relative_to_one_plus_p: 1e-11, rms_uniform: 1e-12, lattice_zero: 1e-22 },
+            Self::Fast => {
+                PowerBound { max_uniform: 2e-5, rms_uniform: 1e-6, max_any_per_root_n: 1e-6, lattice_zero: 1e-10 }
+            }
+            Self::High => {
+                PowerBound { max_uniform: 1e-11, rms_uniform: 1e-12, max_any_per_root_n: 1e-14, lattice_zero: 1e-22 }
+            }
         }
     }
 

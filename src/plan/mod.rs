@@ -25,13 +25,33 @@ pub struct EnsembleShape {
     pub max_points: u64,
 }
 
-/// Bytes a batch of realizations may take on any path unless asked otherwise: 1 GiB.
+/// Bytes a batch of realizations may take on any path: 1 GiB. A batch is never less than one leaf of the ordered sum.
 pub const MEMORY_BUDGET: u64 = 1 << 30;
 
-/// Realizations per batch: whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most
-/// 4096 realizations, so that progress and cancellation stay lively.
-fn batch_size(realizations: u64, bytes_per_realization: u64) -> u64 {
-    let leaf = crate::accumulate::LEAF;
-    let fitting = (MEMORY_BUDGET / bytes_per_realization.max(1)).min(4096) / leaf * leaf;
-    fitting.max(leaf).min(realizations.div_ceil(leaf).max(1) * leaf)
+/// How many realizations are worked on at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Batch {
+    /// A multiple of `LEAF`.
+    pub realizations: u64,
+    /// Bytes that each of them takes: points and raw sums.
+    pub bytes_each: u64,
+}
+
+impl Batch {
+    /// Whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most 4096 realizations, so
+    /// that progress and cancellation stay lively.
+    fn new(realizations: u64, bytes_each: u64) -> Self {
+        let leaf = crate::accumulate::LEAF;
+        let fitting = (MEMORY_BUDGET / bytes_each.max(1)).min(4096) / leaf * leaf;
+        let realizations = fitting.max(leaf).min(realizations.div_ceil(leaf).max(1) * leaf);
+        Self { realizations, bytes_each }
+    }
+}
+
+impl std::fmt::Display for Batch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+        let (each, budget) = (mib(self.bytes_each), mib(MEMORY_BUDGET));
+        write!(f, "batches of {} realizations of {each:.3} MiB, within {budget} MiB", self.realizations)
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{BinFilter, EnsembleShape, RadialBins, batch_size};
+use super::{Batch, BinFilter, EnsembleShape, RadialBins};
 use crate::error::{Error, Result};
 use crate::points::Domain;
 
@@ -31,8 +31,8 @@ pub struct PairPlan {
     pub correction: Correction,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
-    /// Realizations per batch, a multiple of `LEAF`.
-    pub batch: u64,
+    /// Realizations worked on at a time.
+    pub batch: Batch,
 }
 
 impl PairPlan {
@@ -62,7 +62,7 @@ impl PairPlan {
         let filter = BinFilter::new(&bins, domain);
         // Points (three u64 axes twice) and a histogram with weights per realization.
         let bytes = shape.max_points * 48 + bins.len() as u64 * 40;
-        let batch = batch_size(shape.realizations, bytes);
+        let batch = Batch::new(shape.realizations, bytes);
         Ok(Self { domain: domain.clone(), bins, thresholds, filter, correction, shape, batch })
     }
 
@@ -99,7 +99,7 @@ impl fmt::Display for PairPlan {
             b.r_max()
         )?;
         writeln!(f, "  exact: {filter} decides pairs clear of an edge, 128-bit integers the rest")?;
-        writeln!(f, "  batches of {} realizations", self.batch)?;
+        writeln!(f, "  {}", self.batch)?;
         writeln!(f, "  skipped: half of the pairs (i < j, counted twice)")?;
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, EnsembleShape, Rings, WaveGrid, batch_size};
+use super::{Accuracy, Batch, EnsembleShape, Rings, WaveGrid};
 use crate::error::{Error, Result};
 use crate::points::Domain;
 
@@ -19,8 +19,8 @@ pub struct WavePlan {
     pub accuracy: Accuracy,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
-    /// Realizations per batch, a multiple of `LEAF`.
-    pub batch: u64,
+    /// Realizations worked on at a time.
+    pub batch: Batch,
 }
 
 impl WavePlan {
@@ -32,7 +32,7 @@ impl WavePlan {
         }
         let rings = Rings::new(&grid, domain);
         let bytes = shape.max_points * 24 + grid.half_len() as u64 * 8;
-        let batch = batch_size(shape.realizations, bytes);
+        let batch = Batch::new(shape.realizations, bytes);
         Ok(Self { domain: domain.clone(), grid, rings, accuracy, shape, batch })
     }
 
@@ -46,10 +46,14 @@ impl WavePlan {
 impl fmt::Display for WavePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let axes: Vec<_> = self.grid.max_frequency()[..self.grid.dim()].iter().map(u32::to_string).collect();
-        let bound = self.accuracy.power_bound().max_relative_to_one_plus_p;
+        let bound = self.accuracy.power_bound().max_any(self.shape.mean_points);
         writeln!(f, "wave_power: |m| <= {}, {} rings, {:.3e} flop", axes.join(", "), self.rings.count, self.flop())?;
-        writeln!(f, "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:e} (1 + P)", self.accuracy.name())?;
-        writeln!(f, "  batches of {} realizations", self.batch)?;
+        writeln!(
+            f,
+            "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points",
+            self.accuracy.name()
+        )?;
+        writeln!(f, "  {}", self.batch)?;
         writeln!(f, "  skipped: {} modes that are mirror images", self.grid.full_len() - self.grid.half_len())
     }
 }

@@ -86,7 +86,7 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
         rows.push(("Accuracy of the pair counts".into(), "exact".into()));
     }
     if a.spectrum.is_some() {
-        let bound = human(a.accuracy.power_bound().max_relative_to_one_plus_p);
+        let bound = human(a.accuracy.power_bound().max_any(a.shape.max_points as f64));
         let name = a.accuracy.name();
         rows.push((
             "Accuracy of P".into(),

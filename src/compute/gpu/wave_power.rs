@@ -195,16 +195,26 @@ struct Points {
     power: wgpu::Buffer,
 }
 
+/// The points of a realization in an order in which those of a panel lie far apart in the input: neighbours in a file are
+/// often neighbours in space or on a lattice, and equal addends err alike.
+fn far_apart(n: usize) -> impl Iterator<Item = usize> {
+    let stride = n.div_ceil(PANEL as usize).max(1);
+    (0..stride).flat_map(move |first| (first..n).step_by(stride))
+}
+
 impl Job<'_> {
     fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>, part: Cut) -> Points {
         let (gpu, fill) = (self.compute.gpu(), self.compute.tuning.fill);
         let points = ensemble.range(batch.start).start..ensemble.range(batch.end - 1).end;
         let mut fractions = Vec::with_capacity(points.len() * ensemble.domain().dim());
         for axis in 0..ensemble.domain().dim() {
-            let axis = &ensemble.all_fractions(axis)[points.clone()];
+            let axis = ensemble.all_fractions(axis);
             // The upper word is exact; of the lower, 24 bits are enough: it is multiplied by at most 2^22 steps of 2^-32.
             let low = |x: u64| (x as u32 as f32 / 4_294_967_296.0).to_bits();
-            fractions.extend(axis.iter().map(|&x| [(x >> 32) as u32, low(x)]));
+            for k in batch.clone() {
+                let axis = &axis[ensemble.range(k)];
+                fractions.extend(far_apart(axis.len()).map(|j| [(axis[j] >> 32) as u32, low(axis[j])]));
+            }
         }
         let (mut chunks, mut realizations) = (Vec::new(), Vec::new());
         for k in batch.clone() {

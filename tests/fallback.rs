@@ -1,0 +1,144 @@
+//! What happens when a device cannot, or fails in the middle: the CPU path takes over, the result is the CPU's to the last
+//! bit, and the summary says so.
+
+mod common;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use common::*;
+use pairwave::accumulate::{PairCounts, WavePower};
+use pairwave::analysis::{self, Analysis, Plan};
+use pairwave::compute::{Backend, Compute, ComputedBy, Control, cpu::Cpu, reference::Reference};
+use pairwave::plan::{PairPlan, WavePlan};
+use pairwave::points::Ensemble;
+use pairwave::request::Request;
+use pairwave::source::Source;
+use pairwave::{Error, Result};
+
+/// A device that computes rightly, as a GPU, until its lifetime in calls is over.
+struct Mortal {
+    calls_left: AtomicU64,
+    can_waves: bool,
+}
+
+impl Mortal {
+    fn new(calls: u64) -> Self {
+        Self { calls_left: AtomicU64::new(calls), can_waves: true }
+    }
+
+    fn call(&self) -> Result<()> {
+        let spend = |left: u64| left.checked_sub(1);
+        match self.calls_left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(Error::Device {
+                device: "mortal".into(),
+                what: "pair_counts",
+                reason: "the device was lost".into(),
+            }),
+        }
+    }
+}
+
+impl Compute for Mortal {
+    fn computed_by(&self) -> ComputedBy {
+        ComputedBy::new(Backend::Gpu, "mortal")
+    }
+
+    fn supports_wave_power(&self, _: &WavePlan) -> Result<(), String> {
+        if self.can_waves { Ok(()) } else { Err("mortal knows no waves".into()) }
+    }
+
+    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
+        self.call()?;
+        let mut sums = Reference.pair_counts(plan, ensemble, control)?;
+        sums.computed_by = self.computed_by();
+        Ok(sums)
+    }
+
+    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+        self.call()?;
+        let mut sums = Reference.wave_power(plan, ensemble, control)?;
+        sums.computed_by = self.computed_by();
+        Ok(sums)
+    }
+}
+
+/// The request of a command line.
+fn request(arguments: &str) -> Request {
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        request: Request,
+    }
+    clap::Parser::try_parse_from(std::iter::once("analyze").chain(arguments.split_whitespace()))
+        .map(|line: Line| line.request)
+        .unwrap()
+}
+
+fn analyze(request: &Request, device: &dyn Compute) -> Result<Analysis> {
+    let source = Source::open(&request.input)?;
+    let plan = Plan::new(request, source.domain(), source.shape())?;
+    analysis::run(request, &source, &plan, device, &Control::default(), &mut |_| ())
+}
+
+#[test]
+fn a_device_lost_in_the_middle_is_replaced_and_named() {
+    // Several batches of 4096 realizations: the device dies after 0, 1, 2 or 3 calls, between batches or within one.
+    let request =
+        request("--sampler random -n 4 -k 10000 --stats pcf,spectrum --bins 8 --max-frequency 2 --accuracy high");
+    let truth = analyze(&request, &Cpu::new(Some(2)).unwrap()).unwrap();
+    assert!(truth.warnings.is_empty());
+    for calls in 0..=4 {
+        let found = analyze(&request, &Mortal::new(calls)).unwrap();
+        assert_eq!(found.pair_correlation, truth.pair_correlation, "after {calls} calls");
+        let (p, q) = (&found.spectrum.as_ref().unwrap().p, &truth.spectrum.as_ref().unwrap().p);
+        assert!(p.iter().zip(q).all(|(p, q)| (p - q).abs() < 1e-12), "after {calls} calls");
+        let named = "mortal: pair_counts: the device was lost; continued on the native CPU path";
+        assert_eq!(found.warnings, [named], "after {calls} calls");
+        assert!(found.computed_by.backends.contains(&Backend::Cpu), "after {calls} calls: {:?}", found.computed_by);
+        assert_eq!(found.computed_by.backends.contains(&Backend::Gpu), calls > 0, "{:?}", found.computed_by);
+    }
+}
+
+#[test]
+fn what_a_device_does_not_do_is_done_on_the_cpu_and_named() {
+    let request = request("--sampler random -n 30 -k 3 --stats pcf,spectrum --max-frequency 3");
+    let device = Mortal { can_waves: false, ..Mortal::new(100) };
+    let found = analyze(&request, &device).unwrap();
+    assert_eq!(found.warnings, ["mortal knows no waves; done on the native CPU path"]);
+    assert_eq!(found.computed_by.backends, [Backend::Gpu, Backend::Cpu]);
+}
+
+#[test]
+fn cancelling_ends_with_nothing() {
+    let request = request("--sampler random -n 30 -k 50000");
+    let source = Source::open(&request.input).unwrap();
+    let plan = Plan::new(&request, source.domain(), source.shape()).unwrap();
+    let control = Control::default();
+    let cpu = Cpu::new(Some(1)).unwrap();
+    let mut stages = 0;
+    // Asked to stop in the middle of the second batch.
+    let result = analysis::run(&request, &source, &plan, &cpu, &control, &mut |progress| {
+        stages += 1;
+        if progress.done > 0 && progress.stage == "wave_power" {
+            control.cancel();
+        }
+    });
+    assert!(matches!(result, Err(Error::Cancelled)), "cancelled work must not look like a result");
+    assert!(stages < 12, "it went on for {stages} stages");
+}
+
+#[test]
+fn a_plan_is_a_value_that_prints() {
+    let request = request("--sampler random -n 1000 -k 100 --stats pcf,radial");
+    let source = Source::open(&request.input).unwrap();
+    let plan = Plan::new(&request, source.domain(), source.shape()).unwrap();
+    let text = plan.to_string();
+    for line in ["pair_counts: ", "wave_power: ", "skipped: half of the pairs", "skipped: neighbors (not asked for)"] {
+        assert!(text.contains(line), "{line} is missing from\n{text}");
+    }
+    // What the tests of a plan can assert without a device.
+    let e = ensemble(&[uniform(2, 50, 1)]);
+    let pairs = pair_plan(&e, pairwave::plan::RadialBins::linear(0.5, 8).unwrap(), pairwave::plan::Correction::None);
+    assert_eq!(pairs, pairs.clone());
+}
