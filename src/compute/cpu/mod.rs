@@ -2,8 +2,10 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+mod pair_bins;
 mod pair_counts;
 mod phase_tables;
+mod product;
 mod simd;
 mod wave_power;
 
@@ -41,7 +43,7 @@ impl Cpu {
     }
 
     /// The same with an instruction set chosen by hand, so that tests reach each of them. A level this processor lacks
-    /// falls back to the best it has.
+    /// falls back to the best it has. Matrix products always use the best: `gemm` chooses for itself.
     #[doc(hidden)]
     pub fn with_level(threads: Option<usize>, level: SimdLevel) -> Result<Self> {
         if let Some(threads) = threads {

@@ -2,7 +2,7 @@
 //! for f32 to tell are settled by the definition in integers. Formula: see `reference`.
 //!
 //! 1. Coordinates are rounded to 32 bits. On a torus a wrapping difference read as i32 is then the minimum image.
-//! 2. `simd::rows` writes the bin of each pair of one row into a short buffer, and lists the undecided pairs.
+//! 2. `pair_bins` writes the bin of each pair of one row into a short buffer, and lists the undecided pairs.
 //! 3. The buffer is scattered into a histogram (of several copies, so that equal distances in a row do not wait for each
 //!    other). Computing and scattering in turns keeps both loops free of branches.
 //!
@@ -13,7 +13,8 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
-use super::simd::{self, COLUMNS, LANES, Linear, Rows, SimdLevel};
+use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, by_r2};
+use super::simd::SimdLevel;
 use crate::accumulate::{PairCounts, PairHistogram, WEIGHT_STEPS};
 use crate::compute::{Compute, Control, reference};
 use crate::error::Result;
@@ -180,7 +181,7 @@ struct Tally {
     pending: u64,
     counts: Vec<u64>,
     weights: Option<Vec<u128>>,
-    undecided: Vec<simd::Undecided>,
+    undecided: Vec<pair_bins::Undecided>,
 }
 
 impl Tally {
@@ -241,12 +242,12 @@ impl Tally {
                 }
             };
             match filter {
-                Filter::Linear(linear) => simd::linear(level, &job, &linear.one_copy(), sink, undecided),
+                Filter::Linear(linear) => pair_bins::linear(level, &job, &linear.one_copy(), sink, undecided),
                 Filter::Table(table) => {
-                    simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided)
+                    by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided)
                 }
                 Filter::Near(beyond) => {
-                    simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided)
+                    by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided)
                 }
             }
             for pair in undecided.drain(..) {
@@ -258,14 +259,14 @@ impl Tally {
             return;
         }
         match filter {
-            Filter::Linear(linear) => simd::linear_histogram(level, &job, linear, short, undecided),
+            Filter::Linear(linear) => pair_bins::linear_histogram(level, &job, linear, short, undecided),
             Filter::Table(table) => {
                 let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                simd::by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided);
+                by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided);
             }
             Filter::Near(beyond) => {
                 let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                simd::by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided);
+                by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided);
             }
         }
         for pair in undecided.drain(..) {
@@ -336,7 +337,7 @@ fn near_bin(beyond: f32, bins: usize, r2: f32) -> (u32, bool) {
 }
 
 /// The bin of a pair by the definition.
-fn settle(plan: &PairPlan, set: &Set<'_>, pair: &simd::Undecided) -> Option<usize> {
+fn settle(plan: &PairPlan, set: &Set<'_>, pair: &pair_bins::Undecided) -> Option<usize> {
     let thresholds = &plan.thresholds;
     let r2 = reference::squared_distance(&set.exact, set.periods, pair.i as usize, pair.j as usize);
     // Nearly always one of the two bins that meet at the edge in question.

@@ -7,8 +7,9 @@
 //! - In 2D and 3D the rows are `(m_0, 0, 0)` and the columns `(0, m_1, m_2)`, one of each pair of opposite signs.
 //! - In 1D the rows are `0 ..= h` and the columns the multiples of `2 h + 1`, with `h` near `sqrt(F / 2)`.
 //!
-//! Points go in panels of up to 128, far apart in the input: a panel is summed in registers, in f32 (`fast`) or f64 (`high`), and added to f64 sums.
-//! So each sum is made by the same additions in the same order, however the grid is cut into tiles for threads.
+//! Points go in panels, far apart in the input: a panel's product is taken in f32 (`fast`) or f64 (`high`), and added
+//! to f64 sums. So each sum is made by the same additions in the same order, however the grid is cut into tiles for
+//! threads.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,15 +17,21 @@ use std::sync::{Mutex, PoisonError};
 
 use super::Cpu;
 use super::phase_tables::{Panel, Table};
-use super::simd::{self, PRODUCT_COLUMNS, PRODUCT_ROWS, Product, SimdLevel};
+use super::product::{Element, FEWEST_POINTS, Operand, lanes, product};
+use super::simd::{self, SimdLevel};
 use crate::accumulate::{LEAF, WavePower};
 use crate::compute::{Compute, Control};
 use crate::error::Result;
 use crate::plan::{Accuracy, MEMORY_BUDGET, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
-/// Points per panel. Error and time both move little between 64 and 256; see `Accuracy` for the bound it must keep.
-const PANEL: usize = 128;
+/// Points per panel: with more of them the error grows (see `Accuracy` for the bound it must keep), with fewer the time
+/// to add up panels. `product` must take as many at once.
+const PANEL: usize = 160;
+
+/// Rows of a block: its sums over a panel stay in the cache until they are added to the others, and `gemm` does not
+/// copy the table of columns for so few.
+const ROWS: usize = 48;
 
 /// Panels between two looks at the control.
 const PANELS_PER_CHECK: usize = 64;
@@ -177,9 +184,9 @@ impl Factors {
             }
             *(if width >= height { &mut column_parts } else { &mut row_parts }) += 1;
         }
-        // Cosines and sines of 4 columns fill the product kernel's narrowest block.
+        // Cosines and sines of half as many columns fill a vector.
         let height = rows.div_ceil(row_parts);
-        let width = columns.div_ceil(column_parts).next_multiple_of(PRODUCT_COLUMNS / 2);
+        let width = columns.div_ceil(column_parts).next_multiple_of(lanes::<T>() / 2);
         let cut = |len: usize, by: usize| (0..len).step_by(by).map(move |start| start..(start + by).min(len));
         cut(columns, width)
             .flat_map(|c| cut(rows, height).map(move |r| (r, c.clone())))
@@ -201,25 +208,26 @@ struct Tile {
     first_column: usize,
 }
 
-/// The tables of a panel and the sums of a tile; reused from tile to tile.
+/// The tables of a panel, its sums in a block of rows, and the sums of a tile; reused from tile to tile.
 struct Scratch<T> {
     left: Vec<T>,
     right: Vec<T>,
+    panel: Vec<T>,
     sums: Vec<f64>,
     columns: usize,
 }
 
 impl<T> Default for Scratch<T> {
     fn default() -> Self {
-        Self { left: Vec::new(), right: Vec::new(), sums: Vec::new(), columns: 0 }
+        Self { left: Vec::new(), right: Vec::new(), panel: Vec::new(), sums: Vec::new(), columns: 0 }
     }
 }
 
 impl<T: Real> Scratch<T> {
     /// The four sums of every row and column of the tile, over all points.
     fn sum(&mut self, level: SimdLevel, tile: &Tile, axes: &[&[u64]], control: &Control) -> Result<()> {
-        let rows = (2 * tile.left.len()).next_multiple_of(PRODUCT_ROWS);
-        self.columns = (2 * tile.right.len()).next_multiple_of(PRODUCT_COLUMNS);
+        let rows = 2 * tile.left.len();
+        self.columns = (2 * tile.right.len()).next_multiple_of(lanes::<T>());
         let left_stride = stride::<T>(rows.max(tile.left.width()));
         let right_stride = stride::<T>(self.columns.max(tile.right.width()));
         let left = aligned(&mut self.left, PANEL * left_stride);
@@ -227,7 +235,9 @@ impl<T: Real> Scratch<T> {
         self.sums.clear();
         self.sums.resize(rows * self.columns, 0.0);
         let n = axes[0].len();
-        let panels = n.div_ceil(PANEL);
+        // No divisor in common with `n`: else the panels of a lattice can be one lattice shifted, and their rounding
+        // errors, alike, add up.
+        let panels = (n.div_ceil(PANEL)..).find(|&panels| gcd(panels, n) == 1).unwrap_or(n);
         for start in 0..panels {
             if start % PANELS_PER_CHECK == 0 {
                 control.check()?;
@@ -247,17 +257,16 @@ impl<T: Real> Scratch<T> {
             let panel = Panel { axes: &cut };
             T::fill(level, &tile.left, &panel, left, left_stride);
             T::fill(level, &tile.right, &panel, right, right_stride);
-            let mut product = Product {
-                left,
-                left_stride,
-                right,
-                right_stride,
-                master: &mut self.sums,
-                rows,
-                columns: self.columns,
-                points,
-            };
-            T::product(level, &mut product);
+            if points < FEWEST_POINTS {
+                left[points * left_stride..FEWEST_POINTS * left_stride].fill(T::default());
+            }
+            let points = points.max(FEWEST_POINTS);
+            for (block, sums) in self.sums.chunks_mut(ROWS * self.columns).enumerate() {
+                let first = block * ROWS;
+                let left = Operand { values: &left[first..], stride: left_stride, width: ROWS.min(rows - first) };
+                let right = Operand { values: right, stride: right_stride, width: self.columns };
+                T::add_product(level, left, right, points, &mut self.panel, sums);
+            }
         }
         Ok(())
     }
@@ -289,6 +298,11 @@ impl<T: Real> Scratch<T> {
     }
 }
 
+/// Greatest common divisor.
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
 /// An odd number of cache lines, so that a column of a table does not fall into few sets of the cache.
 fn stride<T>(width: usize) -> usize {
     let line = 64 / size_of::<T>();
@@ -306,9 +320,18 @@ fn aligned<T: Real>(buffer: &mut Vec<T>, len: usize) -> &mut [T] {
 }
 
 /// f32 or f64: the precision of tables and of the sum over a panel.
-trait Real: Copy + Default + Send {
+trait Real: Element + Default + Send {
     fn fill(level: SimdLevel, table: &Table, panel: &Panel<'_>, out: &mut [Self], stride: usize);
-    fn product(level: SimdLevel, product: &mut Product<'_, Self>);
+
+    /// Adds the product to `sums`; `scratch` is there to be reused.
+    fn add_product(
+        level: SimdLevel,
+        left: Operand<'_, Self>,
+        right: Operand<'_, Self>,
+        points: usize,
+        scratch: &mut Vec<Self>,
+        sums: &mut [f64],
+    );
 }
 
 impl Real for f32 {
@@ -316,8 +339,18 @@ impl Real for f32 {
         simd::fill_f32(level, table, panel, out, stride);
     }
 
-    fn product(level: SimdLevel, product: &mut Product<'_, Self>) {
-        simd::product_f32(level, product);
+    fn add_product(
+        level: SimdLevel,
+        left: Operand<'_, Self>,
+        right: Operand<'_, Self>,
+        points: usize,
+        scratch: &mut Vec<Self>,
+        sums: &mut [f64],
+    ) {
+        scratch.resize(scratch.len().max(sums.len()), 0.0);
+        let scratch = &mut scratch[..sums.len()];
+        product(left, right, points, scratch, false);
+        simd::add(level, sums, scratch);
     }
 }
 
@@ -326,7 +359,14 @@ impl Real for f64 {
         simd::fill_f64(level, table, panel, out, stride);
     }
 
-    fn product(level: SimdLevel, product: &mut Product<'_, Self>) {
-        simd::product_f64(level, product);
+    fn add_product(
+        _: SimdLevel,
+        left: Operand<'_, Self>,
+        right: Operand<'_, Self>,
+        points: usize,
+        _: &mut Vec<Self>,
+        sums: &mut [f64],
+    ) {
+        product(left, right, points, sums, true);
     }
 }
