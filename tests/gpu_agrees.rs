@@ -295,7 +295,15 @@ fn power_of_repeated_coordinates_keeps_the_bound_for_any_points() {
 #[test]
 fn power_of_a_lattice_vanishes_off_its_dual() {
     let Some(gpu) = shared("lattice zeros") else { return };
-    for (n, z, f) in [(4096, 1531, 40), (1597, 987, 40), (65_536, 19_463, 12), (65_521, 1, 12)] {
+    for (n, z, f) in [
+        (4096, 1531, 40),
+        (4096, 1557, 40),
+        (1597, 987, 40),
+        (32_768, 12_599, 12),
+        (65_536, 19_463, 12),
+        (65_536, 12_345, 12),
+        (65_521, 1, 12),
+    ] {
         let ensemble = ensemble(&[rank1(n, z)]);
         let plan = wave_plan(&ensemble, &[f, f], Accuracy::Fast);
         let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap().mode_totals().q;

@@ -86,6 +86,14 @@ impl Control {
     }
 }
 
+/// The least number from `least` on that shares no divisor with `n` (or `n` itself, where that is 0 or there is none below).
+pub(crate) fn coprime_from(least: usize, n: usize) -> usize {
+    fn gcd(a: usize, b: usize) -> usize {
+        if b == 0 { a } else { gcd(b, a % b) }
+    }
+    (least..n).find(|&k| gcd(k, n) == 1).unwrap_or(n.max(1))
+}
+
 /// Raw sums over the realizations of one batch. `Error::Device` means that the device failed at it: the caller may do the
 /// batch again elsewhere (and `analysis` does, on the CPU path); every other error is final. A batch starts at a multiple of `LEAF` and its result is whole or an
 /// error: never a part of the sums.

@@ -45,7 +45,7 @@ impl Accuracy {
     pub const fn power_bound(self) -> PowerBound {
         match self {
             Self::Fast => {
-                PowerBound { max_uniform: 2e-5, rms_uniform: 1e-6, max_any_per_root_n: 1e-6, lattice_zero: 1e-10 }
+                PowerBound { max_uniform: 2e-5, rms_uniform: 1e-6, max_any_per_root_n: 2e-6, lattice_zero: 1e-10 }
             }
             Self::High => {
                 PowerBound { max_uniform: 1e-11, rms_uniform: 1e-12, max_any_per_root_n: 1e-14, lattice_zero: 1e-22 }

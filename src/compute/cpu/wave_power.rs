@@ -20,7 +20,7 @@ use super::phase_tables::{Panel, Table};
 use super::product::{Element, FEWEST_POINTS, Operand, lanes, product};
 use super::simd::{self, SimdLevel};
 use crate::accumulate::{LEAF, WavePower};
-use crate::compute::{Compute, Control};
+use crate::compute::{Compute, Control, coprime_from};
 use crate::error::Result;
 use crate::plan::{Accuracy, MEMORY_BUDGET, WaveGrid, WavePlan};
 use crate::points::Ensemble;
@@ -237,7 +237,7 @@ impl<T: Real> Scratch<T> {
         let n = axes[0].len();
         // No divisor in common with `n`: else the panels of a lattice can be one lattice shifted, and their rounding
         // errors, alike, add up.
-        let panels = (n.div_ceil(PANEL)..).find(|&panels| gcd(panels, n) == 1).unwrap_or(n);
+        let panels = coprime_from(n.div_ceil(PANEL), n);
         for start in 0..panels {
             if start % PANELS_PER_CHECK == 0 {
                 control.check()?;
@@ -296,11 +296,6 @@ impl<T: Real> Scratch<T> {
             }
         }
     }
-}
-
-/// Greatest common divisor.
-fn gcd(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// An odd number of cache lines, so that a column of a table does not fall into few sets of the cache.

@@ -7,7 +7,7 @@ use super::kernel::{self, KernelSpec};
 use super::params::{WAVE_POWER, WAVE_POWER_FOLD, WaveParams, WaveRange, WaveSums};
 use super::{GpuCompute, MAX_GROUPS};
 use crate::accumulate::WavePower;
-use crate::compute::{Compute, Control};
+use crate::compute::{Compute, Control, coprime_from};
 use crate::error::Result;
 use crate::plan::{Accuracy, WaveGrid, WavePlan};
 use crate::points::Ensemble;
@@ -196,9 +196,10 @@ struct Points {
 }
 
 /// The points of a realization in an order in which those of a panel lie far apart in the input: neighbours in a file are
-/// often neighbours in space or on a lattice, and equal addends err alike.
+/// often neighbours in space or on a lattice, and equal addends err alike. The stride shares no divisor with n, else
+/// the panels of a lattice can be one lattice shifted, and err alike too.
 fn far_apart(n: usize) -> impl Iterator<Item = usize> {
-    let stride = n.div_ceil(PANEL as usize).max(1);
+    let stride = coprime_from(n.div_ceil(PANEL as usize).max(1), n);
     (0..stride).flat_map(move |first| (first..n).step_by(stride))
 }
 
