@@ -270,7 +270,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --edges edges.txt",
             2,
-            "--edges 5e-2: edges must be finite, at least 0 and strictly increasing; edge 1 is 1e-1, edge 2 is 5e-2",
+            "--edges edges.txt: edges must be finite, at least 0 and strictly increasing; edge 1 is 1e-1, edge 2 is 5e-2",
         ),
         ("analyze ok.csv --edges words.txt", 1, "words.txt:2: `x` is not a number"),
         ("analyze ok.csv --edges nowhere.txt", 1, "nowhere.txt: No such file or directory (os error 2)"),

@@ -4,7 +4,7 @@ use std::sync::mpsc;
 
 use bytemuck::Pod;
 
-use super::device::Gpu;
+use super::device::{Gpu, TIMEOUT};
 use crate::error::Result;
 
 /// What scratch memory holds before a kernel writes to it.
@@ -88,7 +88,9 @@ impl Gpu {
     pub(super) fn finish<T: Pod>(&self, read: ReadBack) -> Result<Vec<T>> {
         let what = read.what;
         self.wait(what, read.submission)?;
-        let answer = read.answer.try_recv().map_err(|_| self.error(what, "the device did not answer"))?;
+        // The submission is done, but where threads share the device another one's poll may have taken the answer along and
+        // be about to deliver it.
+        let answer = read.answer.recv_timeout(TIMEOUT).map_err(|_| self.error(what, "the device did not answer"))?;
         answer.map_err(|e| self.error(what, e))?;
         let view = read.staging.get_mapped_range(0..read.bytes).map_err(|e| self.error(what, e))?;
         Ok(bytemuck::pod_collect_to_vec(&view))

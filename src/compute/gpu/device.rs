@@ -119,7 +119,7 @@ pub(super) fn refused(choice: AdapterChoice, failures: &[String]) -> Error {
 }
 
 /// Longest wait for one submission. The work of each is bounded to about a second on slow hardware.
-const TIMEOUT: Duration = Duration::from_secs(300);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// What went wrong outside of any error scope.
 #[derive(Debug, Default)]
