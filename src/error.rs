@@ -5,6 +5,16 @@ use std::path::PathBuf;
 /// The result type of the library.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+/// A number as a person would type it: plain, or with an exponent where plain digits would fill the line.
+pub(crate) fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || (1e-6..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+}
+
+/// Numbers in a list, as typed.
+pub(crate) fn numbers(list: impl IntoIterator<Item = f64>) -> String {
+    list.into_iter().map(number).collect::<Vec<_>>().join(",")
+}
+
 /// What went wrong, with which input.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

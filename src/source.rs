@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::compute::Control;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, numbers};
 use crate::plan::EnsembleShape;
 use crate::points::read::{ReadOptions, read_all};
 use crate::points::{Boundary, Domain, Ensemble, RawPoints};
@@ -86,7 +86,11 @@ impl Source {
         }
         only_for_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
-            return Err(Error::setting("--window", list(window), "expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"));
+            return Err(Error::setting(
+                "--window",
+                numbers(window.iter().copied()),
+                "expected two numbers per axis, x0,x1,y0,y1[,z0,z1]",
+            ));
         }
         if request.files.is_empty() {
             return Err(Error::setting("FILES", "(none)", "expected point files, or --sampler NAME -n N"));
@@ -179,11 +183,15 @@ fn dim_of_flags(request: &PointsRequest) -> Option<usize> {
 fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
     if let Some(window) = &request.window {
         if request.domain == Some(Boundary::Torus) {
-            return Err(Error::setting("--window", list(window), "contradicts --domain torus; --box sets its sides"));
+            return Err(Error::setting(
+                "--window",
+                numbers(window.iter().copied()),
+                "contradicts --domain torus; --box sets its sides",
+            ));
         }
         if window.len() != 2 * dim {
             let reason = format!("expected {} numbers for points with {dim} coordinates", 2 * dim);
-            return Err(Error::setting("--window", list(window), reason));
+            return Err(Error::setting("--window", numbers(window.iter().copied()), reason));
         }
         return Domain::window(&window.chunks_exact(2).map(|r| (r[0], r[1])).collect::<Vec<_>>());
     }
@@ -197,13 +205,9 @@ fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
     match &request.sides {
         Some(sides) if sides.len() != dim => {
             let reason = format!("expected {dim} sides for points with {dim} coordinates");
-            Err(Error::setting("--box", list(sides), reason))
+            Err(Error::setting("--box", numbers(sides.iter().copied()), reason))
         }
         Some(sides) => Domain::torus(sides),
         None => Ok(Domain::unit_torus(dim)),
     }
-}
-
-fn list(numbers: &[f64]) -> String {
-    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::estimate::Kernel;
 use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
 use crate::points::Domain;
@@ -144,6 +144,10 @@ fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBi
         return RadialBins::from_edges(read_edges(path)?).map_err(|e| blame_edges(e, path));
     }
     let r_max = request.r_max.unwrap_or_else(|| PairPlan::default_r_max(domain, mean_points));
+    // Written so that NaN fails.
+    if !(r_max > 0.0 && r_max.is_finite()) {
+        return Err(Error::setting("--r-max", number(r_max), "expected a finite number above 0"));
+    }
     let bins = request.bins.unwrap_or(256);
     match request.bin_scale.unwrap_or(BinScale::Linear) {
         BinScale::Log => RadialBins::logarithmic(r_max * 1e-3, r_max, bins),

@@ -2,7 +2,7 @@
 
 use super::Normalization;
 use crate::accumulate::{PairCounts, WEIGHT_STEPS};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::plan::{PairPlan, RadialBins};
 use crate::points::Domain;
 
@@ -69,7 +69,7 @@ impl Kernel {
         let bandwidth = bandwidth.unwrap_or(0.15 / 5f64.sqrt() * spacing);
         if !(bandwidth > 0.0 && bandwidth < domain.shortest_side()) {
             let reason = format!("expected more than 0 and less than the shortest side ({})", domain.shortest_side());
-            return Err(Error::setting("--bandwidth", bandwidth, reason));
+            return Err(Error::setting("--bandwidth", number(bandwidth), reason));
         }
         Ok(Self { shape, bandwidth })
     }
@@ -83,7 +83,7 @@ impl Kernel {
         if per_bandwidth < COARSEST {
             let smallest = range * COARSEST / MAX_FINE_BINS;
             let reason = format!("too small for r up to {range}: expected at least {smallest:e}, or a smaller --r-max");
-            return Err(Error::setting("--bandwidth", self.bandwidth, reason));
+            return Err(Error::setting("--bandwidth", number(self.bandwidth), reason));
         }
         let bins = (range / self.bandwidth * per_bandwidth).ceil();
         RadialBins::linear(range, bins as usize)

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Batch, BinFilter, EnsembleShape, RadialBins};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::points::Domain;
 
 /// How pairs near the edge of a window are weighted.
@@ -49,7 +49,7 @@ impl PairPlan {
                     "beyond half the shortest side ({limit}) a ring does not fit into the torus and g would be under-counted; \
                      expected at most {limit}"
                 );
-                return Err(Error::setting("--r-max", r_max, reason));
+                return Err(Error::setting("--r-max", number(r_max), reason));
             }
         } else if r_max > domain.shortest_side() * (1.0 - 1e-6) {
             // So close to it translation weights grow without bound.
@@ -57,7 +57,7 @@ impl PairPlan {
             let reason = format!(
                 "expected less than the shortest side of the window ({limit}): beyond, some directions are never seen"
             );
-            return Err(Error::setting("--r-max", r_max, reason));
+            return Err(Error::setting("--r-max", number(r_max), reason));
         }
         let thresholds = bins.thresholds(domain)?;
         let filter = BinFilter::new(&bins, domain);

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Accuracy, Batch, EnsembleShape, Rings, WaveGrid};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
 /// Everything decided about the power spectrum before any phase is computed.
@@ -27,8 +27,9 @@ impl WavePlan {
     /// Decides.
     pub fn new(domain: &Domain, grid: WaveGrid, accuracy: Accuracy, shape: EnsembleShape) -> Result<Self> {
         if grid.dim() != domain.dim() {
-            let reason = format!("expected 1 or {} numbers", domain.dim());
-            return Err(Error::setting("--max-frequency", format!("{} numbers", grid.dim()), reason));
+            let given = &grid.max_frequency()[..grid.dim()];
+            let reason = format!("expected 1 or {} numbers for points with {} coordinates", domain.dim(), domain.dim());
+            return Err(Error::setting("--max-frequency", numbers(given.iter().map(|&f| f64::from(f))), reason));
         }
         let rings = Rings::new(&grid, domain);
         let bytes = shape.max_points * 24 + grid.half_len() as u64 * 8;

@@ -1,6 +1,6 @@
 //! Where points live: a torus that wraps, or a rectangular window that does not.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, numbers};
 
 /// What happens at the sides of the box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
@@ -43,17 +43,21 @@ impl Domain {
             let reason = format!("1, 2 or 3 axes are supported; expected {form}");
             return Err(Error::setting(flag, format!("{} axes", sides.len()), reason));
         }
+        let typed = || match boundary {
+            Boundary::Torus => numbers(sides.iter().copied()),
+            Boundary::Window => numbers(origin.iter().zip(&sides).flat_map(|(&o, &s)| [o, o + s])),
+        };
         for (&o, &s) in origin.iter().zip(&sides) {
             // The square of a side and its inverse must stay normal numbers: distances are compared squared.
             if !(o.is_finite() && s.is_finite() && s > 1e-100 && s < 1e100 && o.abs() < 1e100) {
                 let reason = format!("every side must be finite and between 1e-100 and 1e100; expected {form}");
-                return Err(Error::setting(flag, format!("origin {o}, side {s}"), reason));
+                return Err(Error::setting(flag, typed(), reason));
             }
         }
         let (min, max) = (min_of(&sides), max_of(&sides));
         if max / min > 1e6 {
             let reason = "the longest side may be at most 1e6 times the shortest";
-            return Err(Error::setting(flag, format!("{sides:?}"), reason));
+            return Err(Error::setting(flag, typed(), reason));
         }
         Ok(Self { boundary, origin, sides })
     }

@@ -8,7 +8,7 @@ pub use domain::{Boundary, Domain};
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 
 /// Points as a reader or a sampler delivers them, before the domain is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -232,13 +232,16 @@ fn scale_to_period(fraction: u64, period: u64) -> u64 {
 
 fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> Error {
     let name = ["x", "y", "z"][axis];
+    let x_text = number(x);
     let (lo, hi) = (domain.origin()[axis], domain.origin()[axis] + domain.sides()[axis]);
     let reason = if !x.is_finite() {
-        format!("{name} = {x} is not a finite number")
+        format!("{name} = {x_text} is not a finite number")
     } else if domain.is_torus() {
-        format!("{name} = {x} is outside [{lo}, {hi}); --wrap folds points in, --box sets the sides, --window a window")
+        format!(
+            "{name} = {x_text} is outside [{lo}, {hi}); --wrap folds points in, --box sets the sides, --window a window"
+        )
     } else {
-        format!("{name} = {x} is outside the window [{lo}, {hi}]; --window x0,x1,y0,y1 sets it")
+        format!("{name} = {x_text} is outside the window [{lo}, {hi}]; --window x0,x1,y0,y1 sets it")
     };
     Error::input(set.place(j), reason)
 }
