@@ -33,11 +33,9 @@ struct PairParams {
     // BinFilter::Table
     first_cell: u32,
     last_cell: u32,
-    // The job of workgroup 0.
-    first_job: u32,
     // Points in the buffers: coordinate a of point j is at a * total_points + j.
     total_points: u32,
-    reserved: u32,
+    reserved: vec2<u32>,
 }
 
 // One tile against `steps` tiles of the same realization, the first of them `first_step` tiles further on.
@@ -126,7 +124,7 @@ fn find_bins(p0: vec3<u32>, p1: vec3<u32>, p2: vec3<u32>, p3: vec3<u32>, q: vec3
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let job = jobs[params.first_job + group.x];
+    let job = jobs[group.x];
     let first_word = job.histogram * BINS;
     histogram_clear(lane);
 

@@ -31,7 +31,7 @@ pub const MEMORY_BUDGET: u64 = 1 << 30;
 /// How many realizations are worked on at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Batch {
-    /// A multiple of `LEAF`.
+    /// A multiple of `LEAF`, or all there are.
     pub realizations: u64,
     /// Bytes that each of them takes: points and raw sums.
     pub bytes_each: u64,
@@ -43,7 +43,7 @@ impl Batch {
     fn new(realizations: u64, bytes_each: u64) -> Self {
         let leaf = crate::accumulate::LEAF;
         let fitting = (MEMORY_BUDGET / bytes_each.max(1)).min(4096) / leaf * leaf;
-        let realizations = fitting.max(leaf).min(realizations.div_ceil(leaf).max(1) * leaf);
+        let realizations = fitting.max(leaf).min(realizations.max(1));
         Self { realizations, bytes_each }
     }
 }

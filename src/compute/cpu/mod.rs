@@ -9,7 +9,6 @@ mod product;
 mod simd;
 mod wave_power;
 
-pub use phase_tables::{cos_sin_f32, cos_sin_f64};
 pub use simd::{SimdLevel, fma_gflop};
 
 use super::{Backend, Compute, ComputedBy, Control};

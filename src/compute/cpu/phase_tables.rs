@@ -49,16 +49,6 @@ impl Table {
     }
 }
 
-/// `(cos, sin)` of `phase` turns of 2^-32, in f32.
-pub fn cos_sin_f32(phase: u32) -> (f32, f32) {
-    turn_f32::<false>(phase)
-}
-
-/// `(cos, sin)` of `phase` turns of 2^-64, in f64.
-pub fn cos_sin_f64(phase: u64) -> (f64, f64) {
-    turn_f64::<false>(phase)
-}
-
 /// `a * b + c`, fused where the processor can (elsewhere `mul_add` is a slow library call).
 macro_rules! fma {
     ($a:expr, $b:expr, $c:expr) => {

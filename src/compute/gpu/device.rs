@@ -23,8 +23,6 @@ pub struct AdapterSummary {
     pub driver: String,
     /// The driver's version.
     pub driver_info: String,
-    /// The features pairwave uses beyond the core of WebGPU; none are needed so far.
-    pub features: Vec<String>,
     /// The largest buffer a kernel can see, in bytes.
     pub max_binding_bytes: u64,
     /// Whether it is a processor in disguise.
@@ -81,7 +79,6 @@ fn summary(index: usize, adapter: &wgpu::Adapter) -> AdapterSummary {
         device_type: format!("{:?}", info.device_type),
         driver: info.driver,
         driver_info: info.driver_info,
-        features: Vec::new(),
         max_binding_bytes: adapter.limits().max_storage_buffer_binding_size,
         software: info.device_type == wgpu::DeviceType::Cpu,
     }

@@ -79,12 +79,10 @@ twins! {
         first_cell: u32,
         /// `BinFilter::Table`: index of the last cell.
         last_cell: u32,
-        /// The job of workgroup 0.
-        first_job: u32,
         /// Points in the buffers.
         total_points: u32,
         /// Padding.
-        reserved: u32,
+        reserved: [u32; 2],
     }
 
     /// See `shaders/pair_counts.wgsl`: one tile against the tiles that follow it.
