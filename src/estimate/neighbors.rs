@@ -52,13 +52,14 @@ pub struct Distances {
 pub struct NeighborDistances {
     /// Smallest over all realizations, in the domain's length unit; `None` if no realization has two points.
     pub minimum: Option<f64>,
-    /// Mean over points, then over realizations.
+    /// Mean over realizations of the mean over the points of each. Every realization counts alike, whatever its n: not the
+    /// sum of all distances over the number of all points, unlike the ratios of sums elsewhere in `estimate`.
     pub mean: Option<f64>,
     /// Standard error of `mean` across realizations (K >= 2).
     pub mean_se: Option<f64>,
     /// Smallest over realizations of the minimum in units of the closest-packing distance of the realization's n.
     pub minimum_relative: Option<f64>,
-    /// Mean over realizations of the mean in units of the closest-packing distance of the realization's n.
+    /// Mean over realizations, likewise, of the mean in units of the closest-packing distance of the realization's n.
     pub mean_relative: Option<f64>,
 }
 
@@ -136,7 +137,7 @@ fn standard_error(values: &[f64]) -> Option<f64> {
     Some((squares / (k * (k - 1.0))).sqrt())
 }
 
-/// Per point, in an order that depends on the points alone, the exact squared distance to its nearest neighbour in squared
+/// Per point the exact squared distance to its nearest neighbour in squared
 /// steps; empty with fewer than two points.
 fn nearest_squares(axes: &[&[u64]], domain: &Domain, control: &Control) -> Result<Vec<u128>> {
     let n = axes[0].len();
@@ -191,32 +192,43 @@ where
     }
 
     fn run(&self, control: &Control) -> Result<Vec<u128>> {
-        // In the order of the tree, where queries that follow one another walk the same nodes.
+        // Searched in the order of the tree, where queries that follow one another walk the same nodes.
         let parts: Vec<Vec<u128>> = self
             .tree
             .items()
-            .par_chunks(4096)
+            .par_chunks(512)
             .map(|sites| {
                 control.check()?;
                 Ok(sites.iter().map(|site| self.nearest_square(site)).collect())
             })
             .collect::<Result<_>>()?;
-        Ok(parts.concat())
+        let mut squares = vec![0; self.axes[0].len()];
+        for (site, square) in self.tree.items().iter().zip(parts.into_iter().flatten()) {
+            squares[site.index] = square;
+        }
+        Ok(squares)
     }
 
     fn nearest_square(&self, site: &Site<D>) -> u128 {
         let exact = |j: usize| squared_distance(self.axes, self.periods, site.index, j);
-        // Two, as one of them is the point itself.
-        let propose = |image: [i8; D]| {
-            let found = self.tree.nearests_by(&[0.0; D], 2, |item, a| self.offset(item, site, image, a));
+        // Two, as one of them is the point itself. What lies beyond the reach is put infinitely far away, so that the tree
+        // leaves it out: seen from an image far from all points, they are about equally far, and no distance found
+        // among them would exclude the others.
+        let propose = |image: [i8; D], reach: f64| {
+            let offset = |item: &Site<D>, a| match self.offset(item, site, image, a) {
+                offset if offset.abs() <= reach => offset,
+                offset => f64::INFINITY.copysign(offset),
+            };
+            let found = self.tree.nearests_by(&[0.0; D], 2, offset);
             found.into_iter().map(|f| f.item.index).filter(|&j| j != site.index).map(exact).min()
         };
-        let mut best = propose([0; D]).unwrap_or(u128::MAX);
+        let mut best = propose([0; D], f64::INFINITY).unwrap_or(u128::MAX);
         if best == 0 {
             return 0;
         }
         for image in self.images_within(site, best) {
-            best = propose(image).map_or(best, |square| square.min(best));
+            let reach = (best as f64).sqrt() * (1.0 + 1e-14);
+            best = propose(image, reach).map_or(best, |square| square.min(best));
         }
         // The proposals are nearest up to the rounding of f64, some 1e-15 of the squared distance: enough to confuse the
         // neighbours of a lattice. The exact minimum is among the points that close.
@@ -268,6 +280,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compute::reference::squared_distance;
     use crate::points::RawPoints;
     use crate::samplers::{ParameterValues, Realization, find};
 
@@ -290,12 +303,10 @@ mod tests {
         let ensemble = one(domain, coordinates);
         let axes = ensemble.lengths(0);
         let n = axes[0].len();
-        let mut found = nearest_squares(&axes, domain, &Control::default()).unwrap();
+        let found = nearest_squares(&axes, domain, &Control::default()).unwrap();
         let all =
             |i| (0..n).filter(|&j| j != i).map(|j| squared_distance(&axes, domain.periods(), i, j)).min().unwrap();
-        let mut expected: Vec<u128> = (0..n).map(all).collect();
-        found.sort_unstable();
-        expected.sort_unstable();
+        let expected: Vec<u128> = (0..n).map(all).collect();
         assert!(found == expected, "{what} in {domain:?}");
     }
 
@@ -339,7 +350,7 @@ mod tests {
         }
     }
 
-    /// All neighbours tie up to the rounding of the coordinates, which f64 squares cannot tell apart.
+    /// All neighbours tie up to the rounding of the coordinates: a tree that compared f64 squares could not tell them apart.
     #[test]
     fn equals_all_pairs_on_lattices() {
         for (dim, n) in [(1, 1000), (2, 900), (3, 1000)] {
@@ -372,6 +383,85 @@ mod tests {
                 assert_exact("tiny clusters", &domain, into(&domain, &points));
             }
         }
+    }
+
+    /// Fractions of the sides of degenerate patterns: most points on or next to a side or corner of the box, all of them on
+    /// a line or in a strip.
+    fn degenerate(dim: usize, n: usize) -> Vec<(&'static str, Vec<f64>)> {
+        let random = sample("random", &[], n as u64, dim);
+        let last = 1.0 - 2f64.powi(-53);
+        let along = |f: &dyn Fn(usize, usize, f64) -> f64| -> Vec<f64> {
+            random.iter().enumerate().map(|(k, &x)| f(k / dim, k % dim, x)).collect()
+        };
+        vec![
+            ("line at the low side", along(&|_, a, x| if a == 0 { x } else { 0.0 })),
+            ("line at the high side", along(&|_, a, x| if a == 0 { x } else { last })),
+            ("line across the middle", along(&|_, a, x| if a == dim - 1 { x } else { 0.5 })),
+            ("even line at the low side", along(&|i, a, _| if a == 0 { i as f64 / n as f64 } else { 0.0 })),
+            ("axes through the corner", along(&|i, a, x| if a == i % dim { x } else { 0.0 })),
+            ("diagonal", along(&|i, _, _| random[i * dim])),
+            ("plane at the low side", along(&|_, a, x| if a < dim - 1 { x } else { 0.0 })),
+            ("strip at the low side", along(&|_, a, x| if a == 0 { x } else { 1e-9 * x })),
+            ("strip at the high side", along(&|_, a, x| if a == 0 { x } else { (1.0 - 1e-9 * x).min(last) })),
+            // One in a hundred on the other side of the seam.
+            (
+                "strip across the side",
+                along(&|i, a, x| match (a, i % 100) {
+                    (0, _) => x,
+                    (_, 0) => (1.0 - 1e-9 * x).min(last),
+                    _ => 1e-9 * x,
+                }),
+            ),
+            (
+                "clusters at the corners",
+                along(&|i, a, x| {
+                    let tail = x.powi(40);
+                    if i >> a & 1 == 0 { tail } else { (1.0 - tail).min(last) }
+                }),
+            ),
+        ]
+    }
+
+    #[test]
+    fn equals_all_pairs_on_lines_and_in_strips() {
+        for dim in 1..=3 {
+            for domain in domains(dim) {
+                for (what, points) in degenerate(dim, 2000) {
+                    assert_exact(what, &domain, into(&domain, &points));
+                }
+            }
+        }
+    }
+
+    /// Would not end if one search looked at most of the points.
+    #[test]
+    fn lines_and_strips_of_many_points_are_searched() {
+        let n = 10_000;
+        for dim in 1..=3 {
+            for domain in domains(dim).into_iter().step_by(2) {
+                for (what, points) in degenerate(dim, n) {
+                    let ensemble = one(&domain, into(&domain, &points));
+                    let axes = ensemble.lengths(0);
+                    let found = nearest_squares(&axes, &domain, &Control::default()).unwrap();
+                    for i in (0..n).step_by(n / 20) {
+                        let others = (0..n).filter(|&j| j != i);
+                        let expected = others.map(|j| squared_distance(&axes, domain.periods(), i, j)).min();
+                        assert_eq!(Some(found[i]), expected, "{what} in {domain:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn threads_do_not_change_the_result() {
+        let domain = Domain::torus(&[1.0, 0.7]).unwrap();
+        let ensemble = one(&domain, into(&domain, &sample("thomas", &["mu=30", "sigma=0.01"], 10_000, 2)));
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| neighbor_distances(&ensemble, &Control::default()).unwrap())
+        };
+        assert_eq!(with(1), with(5));
     }
 
     #[test]
