@@ -168,7 +168,8 @@ pub fn run(
     let empty = pairs.as_ref().map_or(0, |p| p.counts.iter().filter(|&&c| c == 0).count());
     if empty > 0 && shape.realizations >= 2 {
         warnings.push(format!(
-            "{empty} bins hold no pair in any realization: g = 0 there, and its standard error across realizations is 0"
+            "no realization has a pair in {empty} of {} bins: g = 0 there, and its standard error across realizations is 0",
+            plan.pairs.as_ref().map_or(0, |p| p.bins.len())
         ));
     }
     if let Some(waves) = plan.waves.as_ref().filter(|_| request.max_frequency.is_none()) {
