@@ -6,6 +6,33 @@
 //! ```text
 //! points -> plan -> compute (gpu | cpu | reference) -> accumulate -> estimate -> report
 //! ```
+//!
+//! `Ensemble` holds realizations as 64-bit fixed-point fractions; `PairPlan` and `WavePlan` are everything decided before
+//! the work; `Compute` turns both into raw sums, `PairCounts` and `WavePower`, which merge; `PairCorrelation`,
+//! `PowerSpectrum` and `RadialSpectrum` are the numbers with their errors. `analysis::run` is the whole road.
+//!
+//! Conventions: frequencies are integer wave vectors m in cycles per side, `s_m = sum_j exp(-2 pi i m.x_j / L)`; pairs are
+//! ordered; bins are half-open; lengths are in the domain's own unit.
+//!
+//! ```
+//! use pairwave::compute::{Compute, Control, cpu::Cpu};
+//! use pairwave::estimate::{Normalization, PairCorrelation};
+//! use pairwave::plan::{Correction, EnsembleShape, PairPlan, RadialBins};
+//! use pairwave::points::Domain;
+//! use pairwave::samplers::{ParameterValues, ensemble, find};
+//!
+//! # fn main() -> pairwave::Result<()> {
+//! let (jittered, control) = (find("jittered")?, Control::default());
+//! let points = ensemble(jittered, 1024, 2, 1, 0..10, &ParameterValues::defaults(jittered)?, &control)?;
+//! let shape = EnsembleShape { realizations: 10, mean_points: 1024.0, max_points: 1024 };
+//! let bins = RadialBins::linear(0.1, 20)?;
+//! let plan = PairPlan::new(&Domain::unit_torus(2), bins, Correction::None, shape)?;
+//! let counts = Cpu::new(None)?.pair_counts(&plan, &points, &control)?;
+//! let g = PairCorrelation::new(&plan, &counts, Normalization::Pairs);
+//! assert!(g.g[0] < 0.2, "jittered points avoid each other: g({}) = {} +- {}", g.r[0], g.g[0], g.g_se[0]);
+//! # Ok(())
+//! # }
+//! ```
 
 // Nothing an input or a device does may panic; tests may unwrap.
 #![warn(unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
