@@ -1,10 +1,12 @@
-//! Throughput of the native path on one thread, next to the multiply-add rate of the same core in the same process.
-//! Rates are per second of processor time where the system tells it, so that other load hardly matters; each is the best
-//! of several repetitions, and the calibrator runs between them.
+//! Throughput of the native path on one thread, next to the multiply-add rate of the same core in the same process, and of
+//! the GPU if there is one. Rates are per second of processor time where the system tells it (software GPUs too, but
+//! hardware ones by the clock on the wall), so that other load hardly matters; each is the best of several repetitions,
+//! and the calibrator runs between them.
 
 use std::time::Instant;
 
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
+use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
 use pairwave::compute::{Compute, Control};
 use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
 use pairwave::points::{Domain, Ensemble, RawPoints};
@@ -21,13 +23,18 @@ fn main() {
         .collect();
     // The best first; its limit is the machine's.
     for cpu in cpus.iter().rev() {
-        table(cpu);
+        table(cpu, true);
+    }
+    match GpuCompute::open(AdapterChoice::Any) {
+        Ok(gpu) => table(&gpu, gpu.gpu().summary().software),
+        Err(why) => println!("\nGPU not measured: {why}"),
     }
 }
 
-fn table(cpu: &Cpu) {
+fn table(device: &dyn Compute, by_processor: bool) {
     let level = SimdLevel::detect();
-    println!("\n{}", cpu.computed_by().device());
+    let per = if by_processor { "per second of processor time" } else { "per second" };
+    println!("\n{}, {per}", device.computed_by().device());
     println!("{:<52} {:>10} {:>12} {:>12}", "", "rate", "unit", "per GFLOP/s");
     let mut limit = calibrate(level);
     for (dim, bins) in [(2, 256), (2, 1024), (3, 256)] {
@@ -42,8 +49,8 @@ fn table(cpu: &Cpu) {
                 continue;
             }
             let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape(&ensemble)) else { continue };
-            let rate = best(level, &mut limit, plan.pairs() * 1e-9, || {
-                let counts = cpu.pair_counts(&plan, &ensemble, &Control::default());
+            let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
+                let counts = device.pair_counts(&plan, &ensemble, &Control::default());
                 assert!(counts.is_ok());
             });
             print(&name(what), rate, "Gpair/s", limit);
@@ -64,8 +71,11 @@ fn table(cpu: &Cpu) {
         let Ok(grid) = WaveGrid::new(&[m, m]) else { continue };
         let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape(&ensemble)) else { continue };
         let gflop = 8.0 * (n * k) as f64 * f64::from((m + 1) * (m + 1)) * 1e-9;
-        let rate = best(level, &mut limit, gflop, || {
-            assert!(cpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+        if device.supports_wave_power(&plan).is_err() {
+            continue;
+        }
+        let rate = best(level, &mut limit, by_processor, gflop, || {
+            assert!(device.wave_power(&plan, &ensemble, &Control::default()).is_ok());
         });
         print(&name, rate, "GFLOP/s", limit);
     }
@@ -82,11 +92,11 @@ fn print(name: &str, rate: f64, unit: &str, limit: f64) {
 }
 
 /// The best rate in `amount` per second.
-fn best(level: SimdLevel, limit: &mut f64, amount: f64, work: impl Fn()) -> f64 {
+fn best(level: SimdLevel, limit: &mut f64, by_processor: bool, amount: f64, work: impl Fn()) -> f64 {
     let mut best = 0.0;
     for _ in 0..REPETITIONS {
         // Long enough for the clock: at least 0.2 s.
-        let (mut done, start) = (0.0, Clock::now());
+        let (mut done, start) = (0.0, Clock::now(by_processor));
         while start.seconds() < 0.2 {
             work();
             done += amount;
@@ -99,7 +109,7 @@ fn best(level: SimdLevel, limit: &mut f64, amount: f64, work: impl Fn()) -> f64 
 
 /// GFLOP/s of f32 multiply-adds.
 fn calibrate(level: SimdLevel) -> f64 {
-    let (mut done, start) = (0.0, Clock::now());
+    let (mut done, start) = (0.0, Clock::now(true));
     while start.seconds() < 0.05 {
         let (gflop, value) = fma_gflop(level, std::hint::black_box(1_000_000));
         std::hint::black_box(value);
@@ -115,8 +125,8 @@ struct Clock {
 }
 
 impl Clock {
-    fn now() -> Self {
-        Self { processor: processor_seconds(), wall: Instant::now() }
+    fn now(by_processor: bool) -> Self {
+        Self { processor: processor_seconds().filter(|_| by_processor), wall: Instant::now() }
     }
 
     fn seconds(&self) -> f64 {
