@@ -3,17 +3,21 @@
 use std::path::PathBuf;
 
 use crate::compute::DeviceChoice;
-use crate::estimate::{Normalization, SmoothingKernel};
+use crate::estimate::{Bandwidth, Divisor, Normalization, SmoothingKernel};
 use crate::plan::{Accuracy, BinScale, Correction};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 
 /// A statistic of `--stats`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Statistic {
     /// Pair correlation function g(r).
     Pcf,
+    /// g of the vector between two points, on a grid of lags.
+    PcfVector,
+    /// Ripley's K(r), L(r) and the mean number of neighbours within r.
+    KFunction,
     /// Power spectrum P(m) on the grid, with its radial mean and anisotropy.
     Spectrum,
     /// Radial mean and anisotropy only.
@@ -113,13 +117,53 @@ pub struct Request {
     #[arg(long, value_enum)]
     pub kernel: Option<SmoothingKernel>,
 
-    /// Standard deviation of the kernel [default: Stoyan's rule, 0.15 / sqrt(5 lambda) in 2D]
-    #[arg(long, value_name = "SD", requires = "kernel", allow_negative_numbers = true)]
-    pub bandwidth: Option<f64>,
+    /// Standard deviation of the kernel, or a rule: stoyan, fiksel, or lscv (least-squares cross-validation) [default: stoyan]
+    #[arg(long, value_name = "SD|RULE", requires = "kernel", allow_negative_numbers = true)]
+    pub bandwidth: Option<Bandwidth>,
+
+    /// What a pair at distance d adds to the estimate at r is divided by the surface of the sphere of radius r or d
+    #[arg(long, value_enum, requires = "kernel")]
+    pub divisor: Option<Divisor>,
+
+    /// Sum the kernel over every pair, however many there are
+    #[arg(long, requires = "kernel")]
+    pub exact_kernel: bool,
 
     /// Edge correction [default: translation in a window, none on a torus]
     #[arg(long, value_enum)]
     pub correction: Option<Correction>,
+
+    /// On a torus, also take distances beyond half the shortest side, up to half the diagonal
+    #[arg(long)]
+    pub beyond_half: bool,
+
+    /// The column that holds the weight of each point, by its name or its number from 1
+    #[arg(long, value_name = "COLUMN", conflicts_with = "sampler")]
+    pub weight_column: Option<String>,
+
+    /// The column that holds the class of each point, by its name or its number from 1
+    #[arg(long, value_name = "COLUMN", conflicts_with = "sampler")]
+    pub class_column: Option<String>,
+
+    /// The two classes whose g is wanted [default: the two there are]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', requires = "class_column")]
+    pub classes: Option<Vec<String>>,
+
+    /// Bins per axis of the vector g [default: 64]
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    pub lag_bins: Option<usize>,
+
+    /// Largest lag per axis of the vector g [default: half the sides of a torus, the sides of a window]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub lag_max: Option<f64>,
+
+    /// Radii of the rings along which g(r, theta) is shown [default: 1, 2 and 3 closest-packing distances]
+    #[arg(long, value_name = "R1,R2,...", value_delimiter = ',', allow_negative_numbers = true)]
+    pub lag_rings: Option<Vec<f64>>,
+
+    /// Simulate complete spatial randomness N times, for pointwise and global envelopes
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub envelope: Option<u64>,
 
     /// What pairs are divided by: n(n-1) or n^2
     #[arg(long, value_enum, default_value = "pairs")]

@@ -141,7 +141,7 @@ fn threads_do_not_change_a_bit() {
             let control = Control::default();
             let counts = cpu.pair_counts(&pairs, &ensemble, &control).unwrap();
             let powers: Vec<_> = waves.iter().map(|w| bits(&cpu.wave_power(w, &ensemble, &control).unwrap())).collect();
-            ((counts.counts, counts.moments, counts.n_moments, counts.realizations), powers)
+            ((counts.counts, counts.bins, counts.realizations), powers)
         };
         let one = run(1);
         for threads in [2, 5] {

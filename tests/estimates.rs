@@ -6,7 +6,8 @@ use common::*;
 use pairwave::accumulate::{PairCounts, PairHistogram, WavePower};
 use pairwave::compute::{Backend, ComputedBy};
 use pairwave::estimate::{
-    ErrorSource, Kernel, KernelEstimate, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, SmoothingKernel,
+    Bandwidth, ErrorSource, Kernel, KernelEstimate, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    SmoothingKernel,
 };
 use pairwave::plan::{Accuracy, BinScale, Correction, RadialBins, Rings, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
@@ -43,8 +44,8 @@ fn g_and_its_error_across_realizations() {
 fn one_realization_gets_poisson_errors() {
     let plan_of = |e: &Ensemble| pair_plan(e, RadialBins::from_edges(vec![0.0, 0.1, 0.5]).unwrap(), Correction::None);
     let e = ensemble(&[uniform(2, 3, 1)]);
-    let mut counts = PairCounts::new(tag(), 2, false);
-    counts.add(&PairHistogram { n: 100, counts: vec![0, 7000], weights: None });
+    let mut counts = PairCounts::new(tag(), &plan_of(&e));
+    counts.add(&PairHistogram::new(100, vec![0, 7000], None));
     let g = PairCorrelation::new(&plan_of(&e), &counts, Normalization::Pairs);
     assert_eq!(g.errors, ErrorSource::Theory);
     let expected = 9900.0 * std::f64::consts::PI * 0.24;
@@ -233,7 +234,7 @@ fn kernel_estimates_are_the_exact_sums() {
         points.coordinates.iter_mut().enumerate().for_each(|(i, x)| *x *= domain.sides()[i % 2]);
         let e = Ensemble::from_raw(&[points.clone()], &domain, false, 0).unwrap();
         for shape in [SmoothingKernel::Epanechnikov, SmoothingKernel::Gaussian, SmoothingKernel::Box] {
-            let kernel = Kernel::new(shape, Some(0.01), &domain, 400.0).unwrap();
+            let kernel = Kernel::new(shape, Some(Bandwidth::Given(0.01)), &domain, 400.0).unwrap();
             let plan = pair_plan(&e, kernel.fine_bins(0.3, &domain).unwrap(), correction);
             assert_eq!(plan.bins.scale(), BinScale::Linear);
             let r: Vec<f64> = (0..=60).map(|i| f64::from(i) * 0.005).collect();
@@ -254,7 +255,7 @@ fn kernel_estimates_are_the_exact_sums() {
 #[test]
 fn a_kernel_that_reaches_past_half_the_box_is_undefined_there() {
     let e = ensemble(&[uniform(2, 100, 1)]);
-    let kernel = Kernel::new(SmoothingKernel::Box, Some(0.02), e.domain(), 100.0).unwrap();
+    let kernel = Kernel::new(SmoothingKernel::Box, Some(Bandwidth::Given(0.02)), e.domain(), 100.0).unwrap();
     let plan = pair_plan(&e, kernel.fine_bins(0.5, e.domain()).unwrap(), Correction::None);
     let sums = reference_counts(&plan, &e);
     let g = KernelEstimate::new(kernel, &[0.4, 0.46, 0.47, 0.5], &plan, &sums, Normalization::Pairs);

@@ -236,7 +236,7 @@ fn translation_weights_by_hand() {
     let sums = reference_counts(&plan, &ensemble);
     assert_eq!(sums.counts, [0, 2]);
     let steps = (16.0 / 9.0 * 2f64.powi(32)).round_ties_even() as u128;
-    assert_eq!(sums.weights, Some(vec![0, 2 * steps]));
+    assert_eq!(sums.bins.sums, vec![0, 2 * steps]);
     let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
     let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
     let expected = 2.0 * (2.0 * 16.0 / 9.0) / (2.0 * ring);

@@ -5,5 +5,5 @@ mod pair_counts;
 mod wave_power;
 
 pub use ordered_sum::{LEAF, OrderedSum};
-pub use pair_counts::{PairCounts, PairHistogram, WEIGHT_STEPS};
+pub use pair_counts::{BorderHistogram, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
 pub use wave_power::{PowerMoments, WavePower};

@@ -2,8 +2,9 @@
 
 use crate::compute::ComputedBy;
 use crate::error::{Error, Result};
+use crate::plan::PairPlan;
 
-/// Steps per unit of an edge-correction weight: weights are summed as multiples of 2^-32.
+/// Steps per unit of a pair's weight: weights are summed as multiples of 2^-32.
 pub const WEIGHT_STEPS: f64 = 4_294_967_296.0;
 
 /// The histogram of one realization: what a kernel delivers.
@@ -13,103 +14,252 @@ pub struct PairHistogram {
     pub n: u64,
     /// Ordered pairs per bin.
     pub counts: Vec<u64>,
-    /// Sum over the same pairs of the edge-correction weight, in steps of 2^-32; `None` without correction.
+    /// Sum over the same pairs of their weight, in steps of 2^-32; `None` where every pair weighs 1.
     pub weights: Option<Vec<u128>>,
+    /// Pairs seen from points deep inside the window, for the border correction.
+    pub border: Option<BorderHistogram>,
+    /// `(sum u)^2` and `sum u^2` over the weights `u` of the points, in steps of 2^-48; `None` where every point weighs 1.
+    pub masses: Option<[u128; 2]>,
 }
 
-/// Sums over realizations of what g and its error need. Merging is exact and associative.
+/// Minus sampling. With `m_i` the number of bins whose upper edge is at most the distance of point `i` from the border:
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BorderHistogram {
+    /// Per bin `b`, ordered pairs `(i, j)` in it with `m_i > b`.
+    pub counts: Vec<u64>,
+    /// The same pairs of all bins, by `m_i`: entry `m`, from 0 to the number of bins.
+    pub ends: Vec<u64>,
+    /// Per bin `b`, points with `m_i > b`.
+    pub points: Vec<u64>,
+}
+
+impl PairHistogram {
+    /// Of points that weigh 1, without border correction.
+    pub fn new(n: u64, counts: Vec<u64>, weights: Option<Vec<u128>>) -> Self {
+        Self { n, counts, weights, border: None, masses: None }
+    }
+
+    /// Adds other pairs of the same realization.
+    pub(crate) fn merge(&mut self, part: &Self) {
+        let add = |a: &mut [u64], b: &[u64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        add(&mut self.counts, &part.counts);
+        if let (Some(a), Some(b)) = (&mut self.weights, &part.weights) {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        }
+        if let (Some(a), Some(b)) = (&mut self.border, &part.border) {
+            // Points belong to the realization, not to a part of its pairs.
+            add(&mut a.counts, &b.counts);
+            add(&mut a.ends, &b.ends);
+        }
+    }
+
+    /// What is compared with the expectation: weights where there are any, else counts.
+    fn sums(&self, bin: usize) -> u128 {
+        match (&self.border, &self.weights) {
+            (Some(border), _) => u128::from(border.counts[bin]),
+            (None, Some(weights)) => weights[bin],
+            (None, None) => u128::from(self.counts[bin]),
+        }
+    }
+
+    /// `sums` over all pairs closer than the upper edge of each bin.
+    fn cumulative(&self) -> Vec<u128> {
+        let mut sum = 0;
+        (0..self.counts.len())
+            .map(|bin| {
+                sum += self.sums(bin);
+                if let Some(border) = &self.border {
+                    // Pairs whose first point is nearer to the border than this edge drop out again.
+                    sum -= u128::from(border.ends[bin]);
+                }
+                sum
+            })
+            .collect()
+    }
+
+    /// Number of ordered pairs by both normalizations: `n (n - 1)` and `n^2`, or what stands for them.
+    fn norms(&self, bin: usize) -> [u128; 2] {
+        let n = u128::from(self.n);
+        match (&self.border, self.masses) {
+            // As usual for this correction, lambda is estimated apart from the pairs, by n / |D|.
+            (Some(border), _) => [u128::from(border.points[bin]) * n; 2],
+            (None, Some([squared, squares])) => [squared - squares, squared],
+            (None, None) => [n * n.saturating_sub(1), n * n],
+        }
+    }
+}
+
+/// Sums over realizations of what the ratio `sum c / sum N` and its error need, per bin: `c` are the ordered pairs of one
+/// realization (or their weights), `N` what they are compared with, by both normalizations.
 ///
-/// With `c` the ordered pairs of a realization in a bin (or its weight sum), and `n` its points, the moments allow the
-/// ratio estimate `sum c / sum N` for both normalizations `N = n (n - 1)` and `N = n^2`, with its error, also where n
-/// differs between realizations.
+/// Products are formed from `c` and `N` in coarser *moment steps*, so that squares fit; only errors use them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ratios {
+    /// `sum c`, in steps of c.
+    pub sums: Vec<u128>,
+    /// `sum c^2`, in moment steps.
+    pub squares: Vec<u128>,
+    /// `sum c N`, in moment steps.
+    pub products: Vec<[u128; 2]>,
+    /// One entry for all bins, or one per bin where N differs between them.
+    pub norms: Vec<[Norm; 2]>,
+}
+
+/// Sums over realizations of N.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Norm {
+    /// `sum N`, in steps of N.
+    pub sum: u128,
+    /// `sum N`, in moment steps.
+    pub moment: u128,
+    /// `sum N^2`, in moment steps.
+    pub square: u128,
+}
+
+/// How many steps there are to a unit, of the integers in a `PairCounts`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Steps {
+    /// Bits below 1 of c.
+    pub sum_bits: u32,
+    /// Bits below 1 of N.
+    pub norm_bits: u32,
+    /// Bits below 1 of c and N in products.
+    pub moment_bits: [u32; 2],
+}
+
+impl Steps {
+    fn new(plan: &PairPlan) -> Self {
+        match (plan.weighted(), plan.masses) {
+            (_, true) => Self { sum_bits: 32, norm_bits: 48, moment_bits: [16, 16] },
+            (true, false) => Self { sum_bits: 32, norm_bits: 0, moment_bits: [16, 0] },
+            (false, false) => Self { sum_bits: 0, norm_bits: 0, moment_bits: [0, 0] },
+        }
+    }
+}
+
+/// The nearest multiple of 2^bits, in units of it.
+fn drop_bits(value: u128, bits: u32) -> u128 {
+    if bits == 0 { value } else { (value + (1 << (bits - 1))) >> bits }
+}
+
+impl Ratios {
+    fn new(bins: usize, by_bin: bool) -> Self {
+        Self {
+            sums: vec![0; bins],
+            squares: vec![0; bins],
+            products: vec![[0; 2]; bins],
+            norms: vec![[Norm::default(); 2]; if by_bin { bins } else { 1 }],
+        }
+    }
+
+    /// The sums of N that belong to a bin.
+    pub fn norm(&self, bin: usize) -> &[Norm; 2] {
+        &self.norms[bin.min(self.norms.len() - 1)]
+    }
+
+    fn add(&mut self, histogram: &PairHistogram, steps: Steps, sum: impl Fn(usize) -> u128) {
+        let coarse = |n: u128| drop_bits(n, steps.norm_bits - steps.moment_bits[1]);
+        for (bin, norms) in self.norms.iter_mut().enumerate() {
+            for (norm, n) in norms.iter_mut().zip(histogram.norms(bin)) {
+                norm.sum += n;
+                norm.moment += coarse(n);
+                norm.square = norm.square.saturating_add(coarse(n).saturating_mul(coarse(n)));
+            }
+        }
+        for bin in 0..self.sums.len() {
+            let c = sum(bin);
+            self.sums[bin] += c;
+            let c = drop_bits(c, steps.sum_bits - steps.moment_bits[0]);
+            self.squares[bin] = self.squares[bin].saturating_add(c.saturating_mul(c));
+            let norms = histogram.norms(bin.min(self.norms.len() - 1));
+            for (product, n) in self.products[bin].iter_mut().zip(norms) {
+                *product = product.saturating_add(c.saturating_mul(coarse(n)));
+            }
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        let add = |a: &mut u128, b: &u128| *a = a.saturating_add(*b);
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| add(a, b));
+        self.squares.iter_mut().zip(&other.squares).for_each(|(a, b)| add(a, b));
+        self.products.as_flattened_mut().iter_mut().zip(other.products.as_flattened()).for_each(|(a, b)| add(a, b));
+        for (a, b) in self.norms.as_flattened_mut().iter_mut().zip(other.norms.as_flattened()) {
+            add(&mut a.sum, &b.sum);
+            add(&mut a.moment, &b.moment);
+            add(&mut a.square, &b.square);
+        }
+    }
+}
+
+/// Sums over realizations of what g, K and their errors need. Merging is exact and associative.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairCounts {
     /// Who computed them.
     pub computed_by: ComputedBy,
     /// Number of realizations.
     pub realizations: u64,
-    /// Sums of n, n^2, n^3, n^4.
-    pub n_moments: [u128; 4],
-    /// Ordered pairs per bin.
+    /// Ordered pairs per bin, unweighted.
     pub counts: Vec<u64>,
-    /// Weight sums per bin in steps of 2^-32, `None` without edge correction.
-    pub weights: Option<Vec<u128>>,
-    /// Per bin: sums of c^2, c n, c n^2, where c is the count (exact), or the weight sum in steps of 2^-16 (rounded per
-    /// realization; only the error estimate uses it).
-    pub moments: Vec<[u128; 3]>,
+    /// The units of the sums below.
+    pub steps: Steps,
+    /// Per bin.
+    pub bins: Ratios,
+    /// Per upper edge of a bin, over all pairs closer than it; where K was asked for.
+    pub cumulative: Option<Ratios>,
 }
-
-/// Bits of a weight sum that its second moment drops, so that its square fits u128.
-const MOMENT_SHIFT: u32 = 16;
 
 impl PairCounts {
     /// No realizations yet.
-    pub fn new(computed_by: ComputedBy, bins: usize, weighted: bool) -> Self {
+    pub fn new(computed_by: ComputedBy, plan: &PairPlan) -> Self {
+        let bins = plan.bins.len();
         Self {
             computed_by,
             realizations: 0,
-            n_moments: [0; 4],
             counts: vec![0; bins],
-            weights: weighted.then(|| vec![0; bins]),
-            moments: vec![[0; 3]; bins],
+            steps: Steps::new(plan),
+            bins: Ratios::new(bins, plan.border()),
+            cumulative: plan.cumulative.then(|| Ratios::new(bins, plan.border())),
         }
-    }
-
-    /// Steps per unit of `c` in `moments`.
-    pub fn moment_steps(&self) -> f64 {
-        if self.weights.is_some() { WEIGHT_STEPS / f64::from(1 << MOMENT_SHIFT) } else { 1.0 }
     }
 
     /// Adds one realization.
     pub fn add(&mut self, histogram: &PairHistogram) {
-        let n = u128::from(histogram.n);
         self.realizations += 1;
-        for (power, sum) in self.n_moments.iter_mut().enumerate() {
-            *sum += n.pow(power as u32 + 1);
-        }
         for (sum, c) in self.counts.iter_mut().zip(&histogram.counts) {
             *sum += c;
         }
-        if let (Some(sums), Some(weights)) = (&mut self.weights, &histogram.weights) {
-            for (sum, w) in sums.iter_mut().zip(weights) {
-                *sum += w;
-            }
-        }
-        for (bin, moments) in self.moments.iter_mut().enumerate() {
-            let c = match &histogram.weights {
-                Some(weights) => (weights[bin] + (1 << (MOMENT_SHIFT - 1))) >> MOMENT_SHIFT,
-                None => u128::from(histogram.counts[bin]),
-            };
-            moments[0] += c * c;
-            moments[1] += c * n;
-            moments[2] += c * n * n;
+        self.bins.add(histogram, self.steps, |bin| histogram.sums(bin));
+        if let Some(cumulative) = &mut self.cumulative {
+            let sums = histogram.cumulative();
+            cumulative.add(histogram, self.steps, |bin| sums[bin]);
         }
     }
 
     /// Adds other realizations of the same process, counted in the same bins by the same method.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
-        if self.counts.len() != other.counts.len() || self.weights.is_some() != other.weights.is_some() {
-            let reason = format!("{} bins cannot be merged with {}", self.counts.len(), other.counts.len());
+        let kind = |c: &Self| (c.counts.len(), c.steps, c.bins.norms.len(), c.cumulative.is_some());
+        if kind(self) != kind(other) {
+            let reason = format!(
+                "{} bins cannot be merged with {}, or they were counted by another method",
+                self.counts.len(),
+                other.counts.len()
+            );
             return Err(Error::input("pair counts", reason));
         }
         self.computed_by = self.computed_by.merge(&other.computed_by);
         self.realizations += other.realizations;
-        for (a, b) in self.n_moments.iter_mut().zip(&other.n_moments) {
-            *a += b;
-        }
         for (a, b) in self.counts.iter_mut().zip(&other.counts) {
             *a += b;
         }
-        if let (Some(a), Some(b)) = (&mut self.weights, &other.weights) {
-            for (a, b) in a.iter_mut().zip(b) {
-                *a += b;
-            }
-        }
-        for (a, b) in self.moments.iter_mut().zip(&other.moments) {
-            for (a, b) in a.iter_mut().zip(b) {
-                *a += b;
-            }
+        self.bins.merge(&other.bins);
+        if let (Some(a), Some(b)) = (&mut self.cumulative, &other.cumulative) {
+            a.merge(b);
         }
         Ok(())
+    }
+
+    /// Sum of weights in a bin (of counts, where every pair weighs 1), in units of 1.
+    pub fn sum(&self, bin: usize) -> f64 {
+        self.bins.sums[bin] as f64 / 2f64.powi(self.steps.sum_bits as i32)
     }
 }

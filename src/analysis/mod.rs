@@ -2,18 +2,19 @@
 //! viewer both call this and hold no arithmetic of their own.
 
 mod plan;
+mod sums;
 
 use std::time::Instant;
 
 pub use plan::Plan;
 use plan::check_points;
+use sums::Sums;
 
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::PairCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    KernelEstimate, NearestNeighbors, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    neighbor_distances,
+    KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};
@@ -98,10 +99,7 @@ pub fn run(
 ) -> Result<Analysis> {
     let shape = source.shape();
     let mut device = WithFallback::new(compute, request.threads);
-    let mut pairs: Option<PairCounts> = None;
-    let mut fine: Option<PairCounts> = None;
-    let mut waves: Option<WavePower> = None;
-    let mut neighbors: Option<NearestNeighbors> = None;
+    let mut sums = Sums::default();
     let mut duplicates = 0;
     let mut points = (u64::MAX, 0u64, 0u64);
     let mut first = None;
@@ -118,35 +116,7 @@ pub fn run(
             let n = batch.points_in(k) as u64;
             points = (points.0.min(n), points.1.max(n), points.2 + n);
         }
-        for (name, plan, sums) in [
-            ("pair_counts", plan.pairs.as_ref(), &mut pairs),
-            ("pair_counts (kernel)", plan.fine.as_ref().map(|f| &f.1), &mut fine),
-        ] {
-            if let Some(plan) = plan {
-                tell(name);
-                let part = clock.time(name, || device.pair_counts(plan, &batch, control))?;
-                match sums {
-                    Some(sums) => sums.merge(&part)?,
-                    None => *sums = Some(part),
-                }
-            }
-        }
-        if let Some(plan) = &plan.waves {
-            tell("wave_power");
-            let part = clock.time("wave_power", || device.wave_power(plan, &batch, control))?;
-            match &mut waves {
-                Some(sums) => sums.merge(part)?,
-                None => waves = Some(part),
-            }
-        }
-        if plan.neighbors {
-            tell("neighbors");
-            let part = clock.time("neighbors", || neighbor_distances(&batch, control))?;
-            match &mut neighbors {
-                Some(found) => found.merge(&part)?,
-                None => neighbors = Some(part),
-            }
-        }
+        sums.merge(Sums::measure(plan, &batch, &mut device, control, &mut clock, &mut tell)?)?;
         if first.is_none() {
             first = Some(batch.slice(0..1));
         }
@@ -165,7 +135,7 @@ pub fn run(
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
     }
-    let empty = pairs.as_ref().map_or(0, |p| p.counts.iter().filter(|&&c| c == 0).count());
+    let empty = sums.pairs.as_ref().map_or(0, |p| p.counts.iter().filter(|&&c| c == 0).count());
     if empty > 0 && shape.realizations >= 2 {
         warnings.push(format!(
             "no realization has a pair in {empty} of {} bins: g = 0 there, and its standard error across realizations is 0",
@@ -188,8 +158,8 @@ pub fn run(
     let both = |plan: &Option<PairPlan>, sums: &Option<PairCounts>| {
         Some(PairCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
     };
-    let pair_correlation = both(&plan.pairs, &pairs);
-    let kernel = match (&plan.fine, &fine, &pair_correlation) {
+    let pair_correlation = both(&plan.pairs, &sums.pairs);
+    let kernel = match (&plan.fine, &sums.fine, &pair_correlation) {
         (Some((kernel, plan)), Some(sums), Some(g)) => {
             Some(KernelEstimate::new(*kernel, &g.r, plan, sums, request.normalization))
         }
@@ -202,16 +172,11 @@ pub fn run(
              there; a smaller --bandwidth or --r-max avoids it"
         ));
     }
-    let spectrum = plan.waves.as_ref().zip(waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
-    let radial = match (&plan.waves, &waves, &spectrum) {
+    let spectrum = plan.waves.as_ref().zip(sums.waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
+    let radial = match (&plan.waves, &sums.waves, &spectrum) {
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
         _ => None,
     };
-    let computed_by = [pairs.map(|s| s.computed_by), fine.map(|s| s.computed_by), waves.map(|s| s.computed_by)]
-        .into_iter()
-        .flatten()
-        .reduce(|a, b| a.merge(&b))
-        .unwrap_or_else(|| ComputedBy::new(crate::compute::Backend::Cpu, "k-d tree"));
     let closed_form = closed_form(source, plan, request.normalization, pair_correlation.as_ref());
     clock.add("estimates", estimates.elapsed().as_secs_f64());
     Ok(Analysis {
@@ -226,10 +191,10 @@ pub fn run(
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,
-        neighbors: neighbors.map(|n| n.summary()),
+        neighbors: sums.neighbors.as_ref().map(|n| n.summary()),
         closed_form,
         accuracy: request.accuracy,
-        computed_by,
+        computed_by: sums.computed_by(),
         plan: plan.to_string(),
         timings: clock.stages,
         duplicates,

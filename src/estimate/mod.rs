@@ -5,10 +5,11 @@ mod pair_correlation;
 mod pair_kernel;
 mod power_spectrum;
 mod radial_spectrum;
+mod ratio;
 
 pub use neighbors::*;
 pub use pair_correlation::{Normalization, PairCorrelation};
-pub use pair_kernel::{Kernel, KernelEstimate, SmoothingKernel};
+pub use pair_kernel::{Bandwidth, Divisor, Kernel, KernelEstimate, SmoothingKernel};
 pub use power_spectrum::PowerSpectrum;
 pub use radial_spectrum::{RadialSpectrum, Ring};
 

@@ -1,10 +1,11 @@
 //! Pair counts -> the pair correlation function g(r).
 
-use super::{ErrorSource, ratio_standard_error};
-use crate::accumulate::{PairCounts, WEIGHT_STEPS};
+use super::ErrorSource;
+use super::ratio::ratio;
+use crate::accumulate::PairCounts;
 use crate::plan::PairPlan;
 
-/// What the number of pairs is compared with.
+/// What the number of pairs is compared with: in this order in `accumulate::Ratios`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Normalization {
@@ -39,51 +40,22 @@ pub struct PairCorrelation {
     pub normalization: Normalization,
 }
 
-impl Normalization {
-    /// `sum N` and `sum N^2` over realizations.
-    fn sums(self, counts: &PairCounts) -> (u128, u128) {
-        let [n1, n2, n3, n4] = counts.n_moments;
-        match self {
-            Self::Pairs => (n2 - n1, n4 + n2 - 2 * n3),
-            Self::Intensity => (n2, n4),
-        }
-    }
-
-    /// `sum N` over realizations.
-    pub(super) fn pairs(self, counts: &PairCounts) -> f64 {
-        self.sums(counts).0 as f64
-    }
-}
-
 impl PairCorrelation {
     /// The estimate. With no pair of points at all (every n < 2) g is 0/0 and reported as NaN; callers check first.
     pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization) -> Self {
         let (bins, dim) = (&plan.bins, plan.domain.dim());
         let errors = ErrorSource::of(counts.realizations);
-        let (sum_norm, sum_norm_squared) = normalization.sums(counts);
-        let steps = counts.moment_steps();
         let mut g = Vec::with_capacity(bins.len());
         let mut g_se = Vec::with_capacity(bins.len());
         for b in 0..bins.len() {
-            // Expected ordered pairs under complete randomness, per unit of N.
-            let share = bins.shell_measure(b, dim) / plan.domain.measure();
-            let expected = share * sum_norm as f64;
+            let ratio = ratio(counts, &counts.bins, b, normalization);
+            // Ordered pairs (or their weight) expected under complete randomness.
+            let expected = bins.shell_measure(b, dim) / plan.domain.measure() * ratio.norm;
             let count = counts.counts[b] as f64;
-            let sum = counts.weights.as_ref().map_or(count, |w| w[b] as f64 / WEIGHT_STEPS);
-            let g_b = sum / expected;
-            g.push(g_b);
-            g_se.push(match errors {
-                ErrorSource::Theory => (sum / count.max(1.0)).max(1.0) * (2.0 * count.max(2.0)).sqrt() / expected,
-                ErrorSource::AcrossRealizations => {
-                    let [c2, c_n, c_n2] = counts.moments[b];
-                    let c_norm = match normalization {
-                        Normalization::Pairs => c_n2 - c_n,
-                        Normalization::Intensity => c_n2,
-                    };
-                    let residuals = residuals(counts, b, c2, c_norm, sum_norm, sum_norm_squared) / (steps * steps);
-                    ratio_standard_error(counts.realizations, residuals, expected)
-                }
-            });
+            g.push(ratio.sum / expected);
+            let error =
+                ratio.error.unwrap_or_else(|| (ratio.sum / count.max(1.0)).max(1.0) * (2.0 * count.max(2.0)).sqrt());
+            g_se.push(error / expected);
         }
         let edges = bins.edges();
         Self {
@@ -97,25 +69,4 @@ impl PairCorrelation {
             normalization,
         }
     }
-}
-
-/// `sum (c - (sum c / sum N) N)^2` in squared moment steps.
-fn residuals(counts: &PairCounts, bin: usize, c2: u128, c_norm: u128, sum_norm: u128, sum_norm_squared: u128) -> f64 {
-    let k = u128::from(counts.realizations);
-    // sum c in moment steps, consistent with the per-realization rounding of the other moments.
-    let [n1, n2, ..] = counts.n_moments;
-    if k.checked_mul(n2) == n1.checked_mul(n1) {
-        // Equal n: K sum c^2 - (sum c)^2 in integers, so that identical realizations have no error at all.
-        let n = n1 / k;
-        let c = counts.moments[bin][1].checked_div(n).unwrap_or(0);
-        if let (Some(a), Some(b)) = (k.checked_mul(c2), c.checked_mul(c)) {
-            return a.saturating_sub(b) as f64 / k as f64;
-        }
-    }
-    let c: f64 = match &counts.weights {
-        Some(weights) => weights[bin] as f64 / WEIGHT_STEPS * counts.moment_steps(),
-        None => counts.counts[bin] as f64,
-    };
-    let ratio = c / sum_norm as f64;
-    c2 as f64 - 2.0 * ratio * c_norm as f64 + ratio * ratio * sum_norm_squared as f64
 }

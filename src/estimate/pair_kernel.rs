@@ -1,7 +1,8 @@
 //! Kernel estimates of g(r) from exact counts on a fine grid.
 
 use super::Normalization;
-use crate::accumulate::{PairCounts, WEIGHT_STEPS};
+use super::ratio::ratio;
+use crate::accumulate::PairCounts;
 use crate::error::{Error, Result, number};
 use crate::plan::{PairPlan, RadialBins};
 use crate::points::Domain;
@@ -39,6 +40,44 @@ impl SmoothingKernel {
     }
 }
 
+/// How the bandwidth is found.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Bandwidth {
+    /// This standard deviation, in the domain's length unit.
+    Given(f64),
+    /// Stoyan's rule: Epanechnikov half-width `0.15 lambda^(-1/d)`.
+    Stoyan,
+    /// Fiksel's rule: standard deviation `0.1 lambda^(-1/d)`.
+    Fiksel,
+    /// Least-squares cross-validation.
+    Lscv,
+}
+
+impl std::str::FromStr for Bandwidth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "stoyan" => Ok(Self::Stoyan),
+            "fiksel" => Ok(Self::Fiksel),
+            "lscv" => Ok(Self::Lscv),
+            number => number.parse().map(Self::Given).map_err(|_| "expected a number, stoyan, fiksel or lscv".into()),
+        }
+    }
+}
+
+/// The sphere whose surface a pair is divided by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Divisor {
+    /// Of the radius at which g is estimated.
+    #[default]
+    R,
+    /// Of the distance of the pair.
+    D,
+}
+
 /// A kernel with its bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Kernel {
@@ -64,9 +103,18 @@ const MAX_FINE_BINS: f64 = 262_144.0;
 impl Kernel {
     /// Checks the bandwidth. The default is Stoyan's rule, an Epanechnikov half-width of `0.15 / sqrt(lambda)` in 2D
     /// (`0.15 lambda^(-1/d)` in d dimensions), i.e. a bandwidth of that over sqrt(5), for every shape.
-    pub fn new(shape: SmoothingKernel, bandwidth: Option<f64>, domain: &Domain, mean_points: f64) -> Result<Self> {
+    pub fn new(
+        shape: SmoothingKernel,
+        bandwidth: Option<Bandwidth>,
+        domain: &Domain,
+        mean_points: f64,
+    ) -> Result<Self> {
         let spacing = (domain.measure() / mean_points).powf(1.0 / domain.dim() as f64);
-        let bandwidth = bandwidth.unwrap_or(0.15 / 5f64.sqrt() * spacing);
+        let bandwidth = match bandwidth {
+            Some(Bandwidth::Given(bandwidth)) => bandwidth,
+            Some(Bandwidth::Fiksel) => 0.1 * spacing,
+            Some(Bandwidth::Stoyan | Bandwidth::Lscv) | None => 0.15 / 5f64.sqrt() * spacing,
+        };
         if !(bandwidth > 0.0 && bandwidth < domain.shortest_side()) {
             let reason = format!("expected more than 0 and less than the shortest side ({})", domain.shortest_side());
             return Err(Error::setting("--bandwidth", number(bandwidth), reason));
@@ -112,7 +160,7 @@ impl KernelEstimate {
         let bins = &plan.bins;
         let width = bins.r_max() / bins.len() as f64;
         let reach = kernel.shape.reach() * kernel.bandwidth;
-        let density = domain.measure() / normalization.pairs(counts);
+        let density = domain.measure() / ratio(counts, &counts.bins, 0, normalization).norm;
         let (g, g_se) = r
             .iter()
             .map(|&r| {
@@ -128,7 +176,7 @@ impl KernelEstimate {
                     if count == 0.0 {
                         continue;
                     }
-                    let weight = counts.weights.as_ref().map_or(1.0, |w| w[b] as f64 / WEIGHT_STEPS / count);
+                    let weight = counts.sum(b) / count;
                     // The mean of the kernel over the fine bin: its integral is known in closed form.
                     let at = |edge: f64| kernel.shape.cumulative((edge - r) / kernel.bandwidth);
                     let k = weight * (at(bins.edges()[b + 1]) - at(bins.edges()[b])) / width;

@@ -9,7 +9,7 @@ mod wave_plan;
 
 pub use accuracy::{Accuracy, PowerBound};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
-pub use pair_plan::{Correction, PairPlan};
+pub use pair_plan::{CellGrid, Correction, PairPlan, PairSearch, PairSettings};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use wave_grid::{MAX_FREQUENCY, Rings, WaveGrid};
 pub use wave_plan::WavePlan;

@@ -14,6 +14,60 @@ pub enum Correction {
     None,
     /// Every pair counts `|D| / |D intersect (D + r)|`, the translation correction.
     Translation,
+    /// Every ordered pair counts the inverse of the part of the circle about its first point, through its second, that
+    /// lies in the window: Ripley's isotropic correction.
+    Isotropic,
+    /// Only points further from the border than the distance in question are looked from: minus sampling.
+    Border,
+}
+
+/// What is counted, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PairSettings {
+    /// Edge correction.
+    pub correction: Correction,
+    /// Whether sums over all pairs closer than each edge are wanted with their error, for K.
+    pub cumulative: bool,
+    /// Whether distances beyond half the shortest side of a torus are wanted, up to half its diagonal.
+    pub beyond_half: bool,
+    /// Whether points have weights.
+    pub masses: bool,
+}
+
+impl From<Correction> for PairSettings {
+    fn from(correction: Correction) -> Self {
+        Self { correction, cumulative: false, beyond_half: false, masses: false }
+    }
+}
+
+/// Which pairs are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum PairSearch {
+    /// All of them.
+    All,
+    /// Those of points in cells near each other.
+    Cells(CellGrid),
+}
+
+/// Cells of equal size over the box, so large that pairs closer than the last edge are at most `reach` cells apart on
+/// every axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct CellGrid {
+    /// Cells per axis; 1 on axes beyond the dimension.
+    pub cells: [u32; 3],
+    /// How many cells away a partner may be.
+    pub reach: u32,
+}
+
+impl fmt::Display for Correction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "none",
+            Self::Translation => "translation",
+            Self::Isotropic => "isotropic",
+            Self::Border => "border",
+        })
+    }
 }
 
 /// Everything decided about counting pairs before any pair is looked at.
@@ -29,6 +83,12 @@ pub struct PairPlan {
     pub filter: BinFilter,
     /// Edge correction.
     pub correction: Correction,
+    /// Whether cumulative sums are kept.
+    pub cumulative: bool,
+    /// Whether points have weights.
+    pub masses: bool,
+    /// Which pairs are looked at.
+    pub search: PairSearch,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -37,11 +97,17 @@ pub struct PairPlan {
 
 impl PairPlan {
     /// Checks the bins against the domain and decides.
-    pub fn new(domain: &Domain, bins: RadialBins, correction: Correction, shape: EnsembleShape) -> Result<Self> {
+    pub fn new(
+        domain: &Domain,
+        bins: RadialBins,
+        settings: impl Into<PairSettings>,
+        shape: EnsembleShape,
+    ) -> Result<Self> {
+        let PairSettings { correction, cumulative, beyond_half: _, masses } = settings.into();
         let r_max = bins.r_max();
         if domain.is_torus() {
             if correction != Correction::None {
-                return Err(Error::setting("--correction", "translation", "a torus has no edges; use none"));
+                return Err(Error::setting("--correction", correction, "a torus has no edges; use none"));
             }
             let limit = domain.shortest_side() / 2.0;
             if r_max > limit {
@@ -64,7 +130,9 @@ impl PairPlan {
         // Points (three u64 axes twice) and a histogram with weights per realization.
         let bytes = shape.max_points * 48 + bins.len() as u64 * 40;
         let batch = Batch::new(shape.realizations, bytes);
-        Ok(Self { domain: domain.clone(), bins, thresholds, filter, correction, shape, batch })
+        let search = PairSearch::All;
+        let domain = domain.clone();
+        Ok(Self { domain, bins, thresholds, filter, correction, cumulative, masses, search, shape, batch })
     }
 
     /// The default `r_max`: 8 closest-packing distances, at most half the shortest side.
@@ -74,7 +142,12 @@ impl PairPlan {
 
     /// Whether weights are summed beside the counts.
     pub fn weighted(&self) -> bool {
-        self.correction != Correction::None
+        self.masses || matches!(self.correction, Correction::Translation | Correction::Isotropic)
+    }
+
+    /// Whether pairs are also counted from points deep inside the window.
+    pub fn border(&self) -> bool {
+        self.correction == Correction::Border
     }
 
     /// Unordered pairs looked at in all realizations.
@@ -104,7 +177,8 @@ impl fmt::Display for PairPlan {
         writeln!(f, "  skipped: half of the pairs (i < j, counted twice)")?;
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
-            Correction::Translation => writeln!(f, "  translation weights in steps of 2^-32"),
+            Correction::Border => writeln!(f, "  border: pairs seen from points deeper inside than the distance"),
+            weights => writeln!(f, "  {weights} weights in steps of 2^-32"),
         }
     }
 }

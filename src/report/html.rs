@@ -228,6 +228,10 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
             Correction::Translation => {
                 " (each weighing |<i>D</i>| / |<i>D</i> ∩ (<i>D</i> + <i>h</i>)|, <i>h</i> being the vector between the points)"
             }
+            Correction::Isotropic => {
+                " (each weighing the inverse of the part inside <i>D</i> of the sphere about the first point through the second)"
+            }
+            Correction::Border => " (seen from points at least as far from the border)",
         };
         let caption = format!(
             "<i>g</i>(<i>r</i>) = |<i>D</i>| ∑<sub><i>k</i></sub> <i>c<sub>k</sub></i> / \

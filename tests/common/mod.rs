@@ -208,16 +208,16 @@ pub fn counts_agree(a: &PairCounts, b: &PairCounts) -> Result<(), String> {
     if a.computed_by.backends == b.computed_by.backends {
         return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
     }
-    if a.realizations != b.realizations || a.n_moments != b.n_moments {
+    if a.realizations != b.realizations || a.bins.norms != b.bins.norms {
         return Err(format!("different realizations: {} and {}", a.realizations, b.realizations));
     }
     if let Some(bin) = (0..a.counts.len().max(b.counts.len())).find(|&k| a.counts.get(k) != b.counts.get(k)) {
         return Err(format!("bin {bin}: {:?} against {:?} pairs", a.counts.get(bin), b.counts.get(bin)));
     }
-    if a.weights != b.weights {
+    if a.bins.sums != b.bins.sums {
         return Err("the weight sums differ".into());
     }
-    if a.moments != b.moments {
+    if a.bins != b.bins || a.cumulative != b.cumulative {
         return Err("the moments differ".into());
     }
     Ok(())

@@ -4,6 +4,7 @@
 
 mod pair_bins;
 mod pair_counts;
+mod pair_weights;
 mod phase_tables;
 mod product;
 mod simd;

@@ -14,8 +14,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
 use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, by_r2};
+use super::pair_weights::{PairWeights, WeightSums};
 use super::simd::SimdLevel;
-use crate::accumulate::{PairCounts, PairHistogram, WEIGHT_STEPS};
+use crate::accumulate::{PairCounts, PairHistogram};
 use crate::compute::{Compute, Control, reference};
 use crate::error::Result;
 use crate::plan::{BinFilter, BinTable, PairPlan};
@@ -38,7 +39,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
     let realizations = ensemble.realizations();
     let threads = cpu.threads();
     let filter = Filter::new(plan);
-    let new_sums = || PairCounts::new(cpu.computed_by(), plan.bins.len(), plan.weighted());
+    let new_sums = || PairCounts::new(cpu.computed_by(), plan);
     let largest = (0..realizations).map(|k| ensemble.points_in(k)).max().unwrap_or(0);
     let next = AtomicUsize::new(0);
 
@@ -84,28 +85,19 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                 tally.count(cpu.level, plan, &filter, &set, block);
             }
         });
-        let mut whole = PairHistogram {
-            n: set.n as u64,
-            counts: vec![0; plan.bins.len()],
-            weights: plan.weighted().then(|| vec![0; plan.bins.len()]),
-        };
+        let mut whole: Option<PairHistogram> = None;
         for part in parts {
-            add(&mut whole, &part?);
+            let part = part?;
+            match &mut whole {
+                Some(whole) => whole.merge(&part),
+                None => whole = Some(part),
+            }
         }
-        sums.add(&whole);
+        if let Some(whole) = whole {
+            sums.add(&whole);
+        }
     }
     Ok(sums)
-}
-
-fn add(sum: &mut PairHistogram, part: &PairHistogram) {
-    for (a, b) in sum.counts.iter_mut().zip(&part.counts) {
-        *a += b;
-    }
-    if let (Some(a), Some(b)) = (&mut sum.weights, &part.weights) {
-        for (a, b) in a.iter_mut().zip(b) {
-            *a += b;
-        }
-    }
 }
 
 /// One realization: exact coordinates, and the same rounded to 32 bits with padding behind.
@@ -180,7 +172,7 @@ struct Tally {
     /// Pairs that went into `short` since it was last emptied.
     pending: u64,
     counts: Vec<u64>,
-    weights: Option<Vec<u128>>,
+    weights: Option<WeightSums>,
     undecided: Vec<pair_bins::Undecided>,
 }
 
@@ -197,7 +189,7 @@ impl Tally {
             stride,
             pending: 0,
             counts: vec![0; bins],
-            weights: plan.weighted().then(|| vec![0; bins]),
+            weights: WeightSums::new(plan),
             undecided: Vec::new(),
         }
     }
@@ -231,13 +223,13 @@ impl Tally {
         let bins = self.bins;
         let Self { short, stride, weights, counts, undecided, .. } = self;
         if let Some(weights) = weights {
-            let window = Window::new(plan, &set.exact);
+            let of_points = PairWeights::new(plan, &set.exact);
             let sink = |i: usize, first: usize, slots: &[u32]| {
                 for (j, &slot) in (first..).zip(slots) {
                     let bin = slot as usize;
                     if bin < bins {
                         counts[bin] += 1;
-                        weights[bin] += u128::from(window.weight(i, j));
+                        weights.add(&of_points, bin, i, j);
                     }
                 }
             };
@@ -253,7 +245,7 @@ impl Tally {
             for pair in undecided.drain(..) {
                 if let Some(bin) = settle(plan, set, &pair) {
                     counts[bin] += 1;
-                    weights[bin] += u128::from(window.weight(pair.i as usize, pair.j as usize));
+                    weights.add(&of_points, bin, pair.i as usize, pair.j as usize);
                 }
             }
             return;
@@ -290,10 +282,13 @@ impl Tally {
     /// The histogram of ordered pairs counted so far, leaving nothing.
     fn take(&mut self, n: usize) -> PairHistogram {
         self.empty();
-        // Every unordered pair stands for two ordered ones of the same distance and weight.
+        // Every unordered pair stands for two ordered ones of the same distance.
         let counts = self.counts.iter_mut().map(|c| 2 * std::mem::take(c)).collect();
-        let weights = self.weights.as_mut().map(|w| w.iter_mut().map(|w| 2 * std::mem::take(w)).collect());
-        PairHistogram { n: n as u64, counts, weights }
+        let histogram = PairHistogram::new(n as u64, counts, None);
+        match &mut self.weights {
+            Some(weights) => weights.take(histogram),
+            None => histogram,
+        }
     }
 }
 
@@ -349,32 +344,4 @@ fn settle(plan: &PairPlan, set: &Set<'_>, pair: &pair_bins::Undecided) -> Option
     }
     let slot = thresholds.partition_point(|&t| t <= r2);
     (1..thresholds.len()).contains(&slot).then(|| slot - 1)
-}
-
-/// Translation weights as in `reference::translation_weight`, operation for operation, with the quotients of sides taken
-/// once.
-struct Window<'a> {
-    axes: &'a [&'a [u64]],
-    sides: [f64; 3],
-}
-
-impl<'a> Window<'a> {
-    fn new(plan: &PairPlan, axes: &'a [&'a [u64]]) -> Self {
-        let mut sides = [0.0; 3];
-        for (a, side) in sides.iter_mut().zip(plan.domain.sides()) {
-            *a = side / plan.domain.length_unit();
-        }
-        Self { axes, sides }
-    }
-
-    #[inline(always)]
-    fn weight(&self, i: usize, j: usize) -> u64 {
-        let mut weight = 1.0;
-        for (axis, a) in self.axes.iter().zip(self.sides) {
-            // Dividing by a power of two and multiplying with its inverse are the same, exact operation.
-            let h = axis[i].abs_diff(axis[j]) as f64 * 2f64.powi(-64);
-            weight *= a / (a - h);
-        }
-        (weight * WEIGHT_STEPS).round_ties_even() as u64
-    }
 }

@@ -141,8 +141,8 @@ fn rounded(position: u64, period: u64) -> u32 {
 
 /// Why a plan cannot run on a device whose buffers hold `binding_bytes`.
 pub(super) fn supports(plan: &PairPlan, binding_bytes: u64) -> Result<(), String> {
-    if plan.weighted() {
-        return Err("translation weights are not computed on the GPU".into());
+    if plan.weighted() || plan.border() {
+        return Err(format!("{} weights are not computed on the GPU", plan.correction));
     }
     fits(plan.shape.max_points, plan.domain.dim(), binding_bytes)
 }
@@ -249,10 +249,10 @@ pub(super) fn pair_counts(
         Ok(())
     })?;
 
-    let mut sums = PairCounts::new(compute.computed_by(), bins, false);
+    let mut sums = PairCounts::new(compute.computed_by(), plan);
     for (k, &n) in sizes.iter().enumerate() {
         let counts = counts[k * bins..(k + 1) * bins].to_vec();
-        sums.add(&PairHistogram { n: n as u64, counts, weights: None });
+        sums.add(&PairHistogram::new(n as u64, counts, None));
     }
     Ok(sums)
 }

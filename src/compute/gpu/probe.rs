@@ -176,7 +176,7 @@ fn pairs_as_if(
     let here = compute.pair_counts(&plan, &ensemble, &Control::default())?;
     let total: u64 = truth.counts.iter().sum();
     let wrong = truth.counts.iter().zip(&here.counts).filter(|(a, b)| a != b).count();
-    if wrong == 0 && truth.moments == here.moments {
+    if wrong == 0 && truth.bins == here.bins {
         Ok(Ok(format!("{total} ordered pairs, all in their bins")))
     } else {
         Ok(Err(format!("{wrong} of {} bins are wrong", truth.counts.len())))

@@ -22,7 +22,7 @@ impl Compute for Reference {
     }
 
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        let mut sums = PairCounts::new(self.computed_by(), plan.bins.len(), plan.weighted());
+        let mut sums = PairCounts::new(self.computed_by(), plan);
         for k in 0..ensemble.realizations() {
             sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), control)?);
         }

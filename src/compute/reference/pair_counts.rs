@@ -74,5 +74,5 @@ pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]], control: &Control) -
             }
         }
     }
-    Ok(PairHistogram { n: n as u64, counts, weights })
+    Ok(PairHistogram::new(n as u64, counts, weights))
 }

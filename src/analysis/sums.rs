@@ -1,0 +1,89 @@
+//! The raw sums of everything a plan asks for.
+
+use super::{Clock, Plan};
+use crate::accumulate::{PairCounts, WavePower};
+use crate::compute::{ComputedBy, Control, WithFallback};
+use crate::error::Result;
+use crate::estimate::{NearestNeighbors, neighbor_distances};
+use crate::points::Ensemble;
+
+/// Raw sums over realizations; what the plan does not ask for is `None`.
+#[derive(Default)]
+pub(super) struct Sums {
+    pub(super) pairs: Option<PairCounts>,
+    pub(super) fine: Option<PairCounts>,
+    pub(super) waves: Option<WavePower>,
+    pub(super) neighbors: Option<NearestNeighbors>,
+}
+
+impl Sums {
+    /// The sums of one batch. `tell` hears what is being done.
+    pub(super) fn measure(
+        plan: &Plan,
+        batch: &Ensemble,
+        device: &mut WithFallback<'_>,
+        control: &Control,
+        clock: &mut Clock,
+        tell: &mut dyn FnMut(&'static str),
+    ) -> Result<Self> {
+        let mut stage = |name, work: &mut dyn FnMut() -> Result<()>| {
+            tell(name);
+            clock.time(name, work)
+        };
+        let mut sums = Self::default();
+        for (name, plan, sums) in [
+            ("pair_counts", plan.pairs.as_ref(), &mut sums.pairs),
+            ("pair_counts (kernel)", plan.fine.as_ref().map(|f| &f.1), &mut sums.fine),
+        ] {
+            if let Some(plan) = plan {
+                stage(name, &mut || {
+                    *sums = Some(device.pair_counts(plan, batch, control)?);
+                    Ok(())
+                })?;
+            }
+        }
+        if let Some(plan) = &plan.waves {
+            stage("wave_power", &mut || {
+                sums.waves = Some(device.wave_power(plan, batch, control)?);
+                Ok(())
+            })?;
+        }
+        if plan.neighbors {
+            stage("neighbors", &mut || {
+                sums.neighbors = Some(neighbor_distances(batch, control)?);
+                Ok(())
+            })?;
+        }
+        Ok(sums)
+    }
+
+    /// Adds the sums of the batch that follows.
+    pub(super) fn merge(&mut self, next: Self) -> Result<()> {
+        merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
+        merge(&mut self.fine, next.fine, |a, b| a.merge(&b))?;
+        merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
+        merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
+    }
+
+    /// Who computed them.
+    pub(super) fn computed_by(&self) -> ComputedBy {
+        let tags = [
+            self.pairs.as_ref().map(|s| &s.computed_by),
+            self.fine.as_ref().map(|s| &s.computed_by),
+            self.waves.as_ref().map(|s| &s.computed_by),
+        ];
+        let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));
+        all.unwrap_or_else(|| ComputedBy::new(crate::compute::Backend::Cpu, "k-d tree"))
+    }
+}
+
+fn merge<T>(sum: &mut Option<T>, next: Option<T>, add: impl Fn(&mut T, T) -> Result<()>) -> Result<()> {
+    match (sum.as_mut(), next) {
+        (Some(sum), Some(next)) => add(sum, next),
+        (None, next) => {
+            *sum = next;
+            Ok(())
+        }
+        (Some(_), None) => Ok(()),
+    }
+}

@@ -1,0 +1,46 @@
+//! `sum c / sum N` over realizations, with its error: what g, K and their like have in common.
+
+use super::{ErrorSource, Normalization, ratio_standard_error};
+use crate::accumulate::{PairCounts, Ratios};
+
+/// One bin of `Ratios`, divided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ratio {
+    /// `sum c`, in units of 1.
+    pub(super) sum: f64,
+    /// `sum N`, in units of 1.
+    pub(super) norm: f64,
+    /// Standard error of `sum c / sum N`, times `sum N`, across realizations; `None` for one realization.
+    pub(super) error: Option<f64>,
+}
+
+/// The ratio of one bin.
+pub(super) fn ratio(counts: &PairCounts, ratios: &Ratios, bin: usize, normalization: Normalization) -> Ratio {
+    let which = normalization as usize;
+    let unit = |bits: u32| 2f64.powi(bits as i32);
+    let steps = counts.steps;
+    let norm = ratios.norm(bin)[which];
+    let sum = ratios.sums[bin] as f64 / unit(steps.sum_bits);
+    let sum_norm = norm.sum as f64 / unit(steps.norm_bits);
+    let error = (ErrorSource::of(counts.realizations) == ErrorSource::AcrossRealizations).then(|| {
+        let [c_unit, n_unit] = steps.moment_bits.map(unit);
+        let residuals = residuals(counts.realizations, ratios, bin, which, sum * c_unit, sum_norm * n_unit);
+        ratio_standard_error(counts.realizations, residuals / (c_unit * c_unit), 1.0)
+    });
+    Ratio { sum, norm: sum_norm, error }
+}
+
+/// `sum (c - (sum c / sum N) N)^2` in squared moment steps of c; `sum_c` and `sum_norm` in moment steps.
+fn residuals(realizations: u64, ratios: &Ratios, bin: usize, which: usize, sum_c: f64, sum_norm: f64) -> f64 {
+    let k = u128::from(realizations);
+    let (norm, c2, c_norm) = (ratios.norm(bin)[which], ratios.squares[bin], ratios.products[bin][which]);
+    if k.checked_mul(norm.square) == norm.moment.checked_mul(norm.moment) {
+        // Equal N: K sum c^2 - (sum c)^2 in integers, so that identical realizations have no error at all.
+        let c = c_norm.checked_div(norm.moment / k).unwrap_or(0);
+        if let (Some(a), Some(b)) = (k.checked_mul(c2), c.checked_mul(c)) {
+            return a.saturating_sub(b) as f64 / k as f64;
+        }
+    }
+    let ratio = sum_c / sum_norm;
+    c2 as f64 - 2.0 * ratio * c_norm as f64 + ratio * ratio * norm.square as f64
+}
