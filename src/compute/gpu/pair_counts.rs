@@ -141,6 +141,9 @@ fn rounded(position: u64, period: u64) -> u32 {
 
 /// Why a plan cannot run on a device whose buffers hold `binding_bytes`.
 pub(super) fn supports(plan: &PairPlan, binding_bytes: u64) -> Result<(), String> {
+    if plan.masses {
+        return Err("weights of points are not computed on the GPU".into());
+    }
     if plan.weighted() || plan.border() {
         return Err(format!("{} weights are not computed on the GPU", plan.correction));
     }
