@@ -4,6 +4,7 @@ mod accuracy;
 mod bin_filter;
 mod pair_plan;
 mod radial_bins;
+mod ring_measure;
 mod wave_grid;
 mod wave_plan;
 
