@@ -14,7 +14,7 @@ use crate::accumulate::PairCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};
@@ -38,6 +38,8 @@ pub struct Analysis {
     pub correction: Correction,
     /// g per bin.
     pub pair_correlation: Option<PairCorrelation>,
+    /// K, L and the mean number of neighbours.
+    pub k_function: Option<KFunction>,
     /// g smoothed, at the bin centres.
     pub kernel: Option<KernelEstimate>,
     /// P on the grid.
@@ -158,7 +160,11 @@ pub fn run(
     let both = |plan: &Option<PairPlan>, sums: &Option<PairCounts>| {
         Some(PairCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
     };
-    let pair_correlation = both(&plan.pairs, &sums.pairs);
+    let pair_correlation = if plan.pcf { both(&plan.pairs, &sums.pairs) } else { None };
+    let k_function = match (&plan.pairs, &sums.pairs) {
+        (Some(plan), Some(sums)) => KFunction::new(plan, sums, request.normalization, shape.mean_points),
+        _ => None,
+    };
     let kernel = match (&plan.fine, &sums.fine, &pair_correlation) {
         (Some((kernel, plan)), Some(sums), Some(g)) => {
             Some(KernelEstimate::new(*kernel, &g.r, plan, sums, request.normalization))
@@ -187,6 +193,7 @@ pub fn run(
         min_points: points.0,
         correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
         pair_correlation,
+        k_function,
         kernel,
         spectrum,
         grid_wanted: plan.grid_wanted,

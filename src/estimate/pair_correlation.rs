@@ -51,11 +51,8 @@ impl PairCorrelation {
             let ratio = ratio(counts, &counts.bins, b, normalization);
             // Ordered pairs (or their weight) expected under complete randomness.
             let expected = plan.shell_measure(b) / plan.domain.measure() * ratio.norm;
-            let count = counts.counts[b] as f64;
             g.push(ratio.sum / expected);
-            let error =
-                ratio.error.unwrap_or_else(|| (ratio.sum / count.max(1.0)).max(1.0) * (2.0 * count.max(2.0)).sqrt());
-            g_se.push(error / expected);
+            g_se.push(ratio.standard_error(plan, counts, counts.counts[b]) / expected);
         }
         let edges = bins.edges();
         Self {
