@@ -1,6 +1,7 @@
 //! A request, carried out: points -> plan -> compute -> accumulate -> estimate, in batches. The command line and the
 //! viewer both call this and hold no arithmetic of their own.
 
+mod classes;
 mod plan;
 mod sums;
 
@@ -14,7 +15,8 @@ use crate::accumulate::PairCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    CrossCorrelation, KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
+    RadialSpectrum,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};
@@ -38,6 +40,8 @@ pub struct Analysis {
     pub correction: Correction,
     /// g per bin.
     pub pair_correlation: Option<PairCorrelation>,
+    /// g of two classes of points, and between them.
+    pub cross: Option<CrossCorrelation>,
     /// K, L and the mean number of neighbours.
     pub k_function: Option<KFunction>,
     /// g smoothed, at the bin centres.
@@ -161,6 +165,9 @@ pub fn run(
         Some(PairCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
     };
     let pair_correlation = if plan.pcf { both(&plan.pairs, &sums.pairs) } else { None };
+    let cross = plan.classes.as_ref().zip(sums.cross.as_ref()).map(|(classes, sums)| {
+        CrossCorrelation::new(classes.names.clone(), &classes.pairs, sums, request.normalization)
+    });
     let k_function = match (&plan.pairs, &sums.pairs) {
         (Some(plan), Some(sums)) => KFunction::new(plan, sums, request.normalization, shape.mean_points),
         _ => None,
@@ -193,6 +200,7 @@ pub fn run(
         min_points: points.0,
         correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
         pair_correlation,
+        cross,
         k_function,
         kernel,
         spectrum,

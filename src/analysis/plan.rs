@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
+use super::classes::Classes;
 use crate::error::{Error, Result, number};
 use crate::estimate::Kernel;
 use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan};
@@ -18,6 +19,8 @@ pub struct Plan {
     pub(super) pairs: Option<PairPlan>,
     /// A second pass over the pairs, into the fine bins behind a kernel estimate.
     pub(super) fine: Option<(Kernel, PairPlan)>,
+    /// Two classes of points whose own g and whose g with each other is wanted.
+    pub(super) classes: Option<Classes>,
     pub(super) waves: Option<WavePlan>,
     pub(super) neighbors: bool,
     /// Whether the grid itself is wanted, not only its rings.
@@ -39,7 +42,7 @@ impl Plan {
             correction,
             cumulative: k_function,
             beyond_half: request.beyond_half,
-            masses: request.weight_column.is_some(),
+            masses: request.input.weight_column.is_some(),
         };
         if request.beyond_half && !domain.is_torus() {
             return Err(Error::setting(
@@ -81,7 +84,18 @@ impl Plan {
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
-        Ok(Self { pcf, pairs, fine, waves, neighbors, grid_wanted, batch })
+        Ok(Self { pcf, pairs, fine, classes: None, waves, neighbors, grid_wanted, batch })
+    }
+}
+
+impl Plan {
+    /// The same plan for points of the classes with these names (`Source::classes`), of which there are none without
+    /// `--class-column`.
+    pub fn with_classes(mut self, request: &Request, names: &[String]) -> Result<Self> {
+        if let Some(pairs) = self.pairs.as_ref().filter(|_| self.pcf && !names.is_empty()) {
+            self.classes = Some(Classes::new(request, names, pairs)?);
+        }
+        Ok(self)
     }
 }
 
@@ -95,11 +109,11 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--edges", text(request.edges.as_ref().map(|e| e.display().to_string()))),
         ("--correction", text(request.correction.map(|c| c.to_string()))),
         ("--beyond-half", text(request.beyond_half.then(|| "(given)".into()))),
-        ("--weight-column", text(request.weight_column.clone())),
+        ("--weight-column", text(request.input.weight_column.clone())),
     ];
     let pcf = [
         ("--kernel", text(request.kernel.map(|k| format!("{k:?}").to_lowercase()))),
-        ("--class-column", text(request.class_column.clone())),
+        ("--class-column", text(request.input.class_column.clone())),
     ];
     let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
     let waves = [("--max-frequency", text(request.max_frequency.as_ref().map(list)))];
@@ -154,6 +168,9 @@ impl fmt::Display for Plan {
         if let Some((kernel, fine)) = &self.fine {
             writeln!(f, "kernel estimate: {:?}, bandwidth {}, from fine counts:", kernel.shape, kernel.bandwidth)?;
             write!(f, "{fine}")?;
+        }
+        if let Some(classes) = &self.classes {
+            write!(f, "{classes}")?;
         }
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;

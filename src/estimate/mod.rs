@@ -1,5 +1,6 @@
 //! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
 
+mod cross_correlation;
 mod k_function;
 mod neighbors;
 mod pair_correlation;
@@ -8,6 +9,7 @@ mod power_spectrum;
 mod radial_spectrum;
 mod ratio;
 
+pub use cross_correlation::{CrossCorrelation, CrossCounts};
 pub use k_function::KFunction;
 pub use neighbors::*;
 pub use pair_correlation::{Normalization, PairCorrelation};
