@@ -4,24 +4,33 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::{Error, Result, number};
-use crate::estimate::Kernel;
-use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{
+    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, PairPlan, RadialBins, WaveGrid,
+    WavePlan,
+};
 use crate::points::Domain;
 use crate::points::read::read_edges;
 use crate::request::{Request, Statistic};
 
 /// Everything decided before the first sum: a value that can be printed.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     pub(super) pairs: Option<PairPlan>,
-    /// A second pass over the pairs, into the fine bins behind a kernel estimate.
-    pub(super) fine: Option<(Kernel, PairPlan)>,
+    /// A second pass over the pairs, for a kernel estimate.
+    pub(super) kernel: Option<KernelPlan>,
+    /// A pass before that, to find its bandwidth; until then it is Stoyan's.
+    pub(super) search: Option<BandwidthSearch>,
     pub(super) waves: Option<WavePlan>,
     pub(super) neighbors: bool,
     /// Whether the grid itself is wanted, not only its rings.
     pub(super) grid_wanted: bool,
+    /// Simulations of complete spatial randomness, for envelopes.
+    pub(super) simulations: u64,
     pub(super) batch: u64,
 }
+
+/// Values of simulated curves held at a time: 1 GiB.
+const MAX_SIMULATED: u64 = 1 << 27;
 
 impl Plan {
     /// Decides from the request and the number of points.
@@ -32,13 +41,21 @@ impl Plan {
         let bins = wants(Statistic::Pcf).then(|| bins(request, domain, shape.mean_points)).transpose()?;
         let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
         let correction = request.correction.unwrap_or(default_correction);
-        let fine = match (&bins, request.kernel) {
+        let simulations = simulations(request, bins.as_ref())?;
+        let (kernel, search) = match (&bins, request.kernel) {
             (Some(bins), Some(kernel)) => {
-                let kernel = Kernel::new(kernel, request.bandwidth, domain, shape.mean_points)?;
-                let fine = kernel.fine_bins(bins.r_max(), domain)?;
-                Some((kernel, PairPlan::new(domain, fine, correction, shape)?))
+                let rule = request.bandwidth.unwrap_or(Bandwidth::Stoyan);
+                let divisor = request.divisor.unwrap_or_default();
+                let (r, exact) = (bins.centres(), request.exact_kernel);
+                let ends = [r[0], r[r.len() - 1]];
+                let kernel = Kernel { shape: kernel, bandwidth: rule.value(domain, shape.mean_points) };
+                let plan = KernelPlan::new(kernel, divisor, r, exact, domain, correction, shape)?;
+                let search = (rule == Bandwidth::Lscv)
+                    .then(|| BandwidthSearch::new(kernel.shape, ends, domain, correction, shape))
+                    .transpose()?;
+                (Some(plan), search)
             }
-            _ => None,
+            _ => (None, None),
         };
         let pairs =
             bins.map(|bins| PairPlan::new(domain, bins, correction, shape)).transpose().map_err(|e| match &request
@@ -58,13 +75,34 @@ impl Plan {
         } else {
             None
         };
-        let batches =
-            [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
+        let batches = [
+            pairs.as_ref().map(|p| p.batch),
+            kernel.as_ref().map(|k| k.pairs.batch),
+            search.as_ref().map(|s| s.pairs.batch),
+            waves.as_ref().map(|w| w.batch),
+        ];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
-        Ok(Self { pairs, fine, waves, neighbors, grid_wanted, batch })
+        Ok(Self { pairs, kernel, search, waves, neighbors, grid_wanted, simulations, batch })
     }
+
+    /// What a simulation for envelopes needs of it.
+    pub(super) fn of_simulations(&self) -> Self {
+        Self { waves: None, neighbors: false, grid_wanted: false, simulations: 0, ..self.clone() }
+    }
+}
+
+/// The number of simulations asked for.
+fn simulations(request: &Request, bins: Option<&RadialBins>) -> Result<u64> {
+    let (Some(simulations), Some(bins)) = (request.envelope, bins) else { return Ok(0) };
+    let curves = if request.kernel.is_some() { 2 } else { 1 };
+    let largest = MAX_SIMULATED / (curves * bins.len() as u64) - 1;
+    if (1..=largest).contains(&simulations) {
+        return Ok(simulations);
+    }
+    let reason = format!("expected 1 to {largest} simulations of {} bins", bins.len());
+    Err(Error::setting("--envelope", simulations, reason))
 }
 
 /// A setting of a statistic that was not asked for would be silently ignored.
@@ -76,6 +114,7 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--bin-scale", text(request.bin_scale.map(|s| format!("{s:?}").to_lowercase()))),
         ("--edges", text(request.edges.as_ref().map(|e| e.display().to_string()))),
         ("--kernel", text(request.kernel.map(|k| format!("{k:?}").to_lowercase()))),
+        ("--envelope", text(request.envelope.map(|n| n.to_string()))),
         ("--correction", text(request.correction.map(|c| format!("{c:?}").to_lowercase()))),
     ];
     let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
@@ -107,15 +146,21 @@ impl fmt::Display for Plan {
         if let Some(pairs) = &self.pairs {
             write!(f, "{pairs}")?;
         }
-        if let Some((kernel, fine)) = &self.fine {
-            writeln!(f, "kernel estimate: {:?}, bandwidth {}, from fine counts:", kernel.shape, kernel.bandwidth)?;
-            write!(f, "{fine}")?;
+        if let Some(search) = &self.search {
+            write!(f, "{search}")?;
+        }
+        if let Some(kernel) = &self.kernel {
+            write!(f, "{kernel}")?;
         }
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
         }
         if self.neighbors {
             writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
+        }
+        if self.simulations > 0 {
+            let n = self.simulations;
+            writeln!(f, "envelope: {n} simulations of complete spatial randomness, each with all the pairs above")?;
         }
         let skipped =
             [(self.pairs.is_none(), "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];

@@ -1,7 +1,7 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{KernelSums, PairCounts, WavePower};
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{NearestNeighbors, neighbor_distances};
@@ -11,7 +11,7 @@ use crate::points::Ensemble;
 #[derive(Default)]
 pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
-    pub(super) fine: Option<PairCounts>,
+    pub(super) kernel: Option<KernelSums>,
     pub(super) waves: Option<WavePower>,
     pub(super) neighbors: Option<NearestNeighbors>,
 }
@@ -31,16 +31,17 @@ impl Sums {
             clock.time(name, work)
         };
         let mut sums = Self::default();
-        for (name, plan, sums) in [
-            ("pair_counts", plan.pairs.as_ref(), &mut sums.pairs),
-            ("pair_counts (kernel)", plan.fine.as_ref().map(|f| &f.1), &mut sums.fine),
-        ] {
-            if let Some(plan) = plan {
-                stage(name, &mut || {
-                    *sums = Some(device.pair_counts(plan, batch, control)?);
-                    Ok(())
-                })?;
-            }
+        if let Some(plan) = &plan.pairs {
+            stage("pair_counts", &mut || {
+                sums.pairs = Some(device.pair_counts(plan, batch, control)?);
+                Ok(())
+            })?;
+        }
+        if let Some(plan) = &plan.kernel {
+            stage("kernel_sums", &mut || {
+                sums.kernel = Some(device.kernel_sums(plan, batch, control)?);
+                Ok(())
+            })?;
         }
         if let Some(plan) = &plan.waves {
             stage("wave_power", &mut || {
@@ -60,7 +61,7 @@ impl Sums {
     /// Adds the sums of the batch that follows.
     pub(super) fn merge(&mut self, next: Self) -> Result<()> {
         merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
-        merge(&mut self.fine, next.fine, |a, b| a.merge(&b))?;
+        merge(&mut self.kernel, next.kernel, |a, b| a.merge(b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }
@@ -69,7 +70,7 @@ impl Sums {
     pub(super) fn computed_by(&self) -> ComputedBy {
         let tags = [
             self.pairs.as_ref().map(|s| &s.computed_by),
-            self.fine.as_ref().map(|s| &s.computed_by),
+            self.kernel.as_ref().map(|s| &s.computed_by),
             self.waves.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));
@@ -77,7 +78,7 @@ impl Sums {
     }
 }
 
-fn merge<T>(sum: &mut Option<T>, next: Option<T>, add: impl Fn(&mut T, T) -> Result<()>) -> Result<()> {
+pub(super) fn merge<T>(sum: &mut Option<T>, next: Option<T>, add: impl Fn(&mut T, T) -> Result<()>) -> Result<()> {
     match (sum.as_mut(), next) {
         (Some(sum), Some(next)) => add(sum, next),
         (None, next) => {

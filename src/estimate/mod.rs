@@ -1,5 +1,7 @@
 //! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
 
+mod cross_validation;
+mod envelope;
 mod neighbors;
 mod pair_correlation;
 mod pair_kernel;
@@ -7,9 +9,11 @@ mod power_spectrum;
 mod radial_spectrum;
 mod ratio;
 
+pub use cross_validation::CrossValidation;
+pub use envelope::{Curve, Envelope};
 pub use neighbors::*;
 pub use pair_correlation::{Normalization, PairCorrelation};
-pub use pair_kernel::{Bandwidth, Divisor, Kernel, KernelEstimate, SmoothingKernel};
+pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;
 pub use radial_spectrum::{RadialSpectrum, Ring};
 

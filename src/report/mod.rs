@@ -27,8 +27,9 @@ use crate::error::{Error, Result};
 const SUMMARY: &str = "summary.json";
 
 /// Every name this module may write. With `force`, only these are ever replaced or removed.
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     "pcf.csv",
+    "envelope.csv",
     "spectrum_radial.csv",
     "spectrum.npy",
     "spectrum_se.npy",
@@ -175,6 +176,7 @@ fn existing_part(dir: &Path) -> PathBuf {
 fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)> {
     let mut files = Written { dir, done: Vec::new() };
     files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
+    files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
