@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::compute::DeviceChoice;
-use crate::estimate::{Bandwidth, Divisor, Normalization, SmoothingKernel};
-use crate::plan::{Accuracy, BinScale, Correction};
+use crate::estimate::Normalization;
+use crate::plan::{Accuracy, Bandwidth, BinScale, Correction, Divisor, SmoothingKernel};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 

@@ -2,23 +2,26 @@
 //! viewer both call this and hold no arithmetic of their own.
 
 mod classes;
+mod envelope;
+mod measure;
 mod plan;
 mod sums;
 
 use std::time::Instant;
 
+use envelope::envelopes;
+pub use envelope::Envelopes;
+use measure::{Input, Measured, measure};
 pub use plan::Plan;
 use plan::check_points;
-use sums::Sums;
 
-use crate::accumulate::PairCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
     RadialSpectrum,
 };
-use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
+use crate::plan::{Accuracy, Correction, EnsembleShape};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -46,6 +49,8 @@ pub struct Analysis {
     pub k_function: Option<KFunction>,
     /// g smoothed, at the bin centres.
     pub kernel: Option<KernelEstimate>,
+    /// Envelopes of complete spatial randomness.
+    pub envelopes: Option<Envelopes>,
     /// P on the grid.
     pub spectrum: Option<PowerSpectrum>,
     /// Whether the grid itself was asked for, not only its rings.
@@ -94,6 +99,33 @@ pub struct Progress {
     pub total: u64,
 }
 
+/// The estimates that envelopes are made of.
+struct Estimates {
+    pair_correlation: Option<PairCorrelation>,
+    k_function: Option<KFunction>,
+    kernel: Option<KernelEstimate>,
+}
+
+impl Estimates {
+    fn new(measured: &Measured<'_>, normalization: Normalization) -> Self {
+        let Measured { sums, plan, cross_validation, .. } = measured;
+        let pairs = plan.pairs.as_ref().zip(sums.pairs.as_ref());
+        let kernel = plan.kernel.as_ref().zip(sums.kernel.as_ref());
+        Self {
+            pair_correlation: pairs
+                .filter(|_| plan.pcf)
+                .map(|(plan, sums)| PairCorrelation::new(plan, sums, normalization)),
+            k_function: pairs.and_then(|(plan, sums)| {
+                KFunction::new(plan, sums, normalization, measured.shape().mean_points)
+            }),
+            kernel: kernel.map(|(plan, sums)| KernelEstimate {
+                cross_validation: *cross_validation,
+                ..KernelEstimate::new(plan, sums, normalization)
+            }),
+        }
+    }
+}
+
 /// Carries out a request on points and a device.
 pub fn run(
     request: &Request,
@@ -103,40 +135,32 @@ pub fn run(
     control: &Control,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Analysis> {
-    let shape = source.shape();
     let mut device = WithFallback::new(compute, request.threads);
-    let mut sums = Sums::default();
-    let mut duplicates = 0;
-    let mut points = (u64::MAX, 0u64, 0u64);
-    let mut first = None;
     let mut clock = Clock::default();
-    let mut start = 0;
-    while start < shape.realizations {
-        control.check()?;
-        let end = (start + plan.batch).min(shape.realizations);
-        let mut tell = |stage| progress(Progress { stage, done: start, total: shape.realizations });
-        tell("points");
-        let batch = clock.time("points", || source.batch(start..end, control))?;
-        duplicates += batch.duplicates();
-        for k in 0..batch.realizations() {
-            let n = batch.points_in(k) as u64;
-            points = (points.0.min(n), points.1.max(n), points.2 + n);
-        }
-        sums.merge(Sums::measure(plan, &batch, &mut device, control, &mut clock, &mut tell)?)?;
-        if first.is_none() {
-            first = Some(batch.slice(0..1));
-        }
-        start = end;
-    }
-    progress(Progress { stage: "estimates", done: shape.realizations, total: shape.realizations });
-    let first = first.ok_or_else(|| Error::input(source.subject(), "there are no realizations"))?;
-    // A sampler that draws n is only now known to have drawn enough.
-    let shape = EnsembleShape {
-        realizations: shape.realizations,
-        mean_points: points.2 as f64 / shape.realizations as f64,
-        max_points: points.1,
+    let total = source.shape().realizations;
+    let input = Input {
+        subject: source.subject(),
+        realizations: total,
+        batch: &|range| source.batch(range, control),
+        normalization: request.normalization,
     };
+    let mut tell = |stage, done| progress(Progress { stage, done, total });
+    let measured = measure(plan, &input, &mut device, control, &mut clock, &mut tell)?;
+    // A sampler that draws n is only now known to have drawn enough.
+    let shape = measured.shape();
     check_points(plan.pairs.is_some() || plan.neighbors, shape)?;
+    progress(Progress { stage: "estimates", done: total, total });
+    let estimates = clock.time("estimates", || Estimates::new(&measured, request.normalization));
+    let envelopes = (plan.simulations > 0)
+        .then(|| {
+            let start = Instant::now();
+            let done = envelopes(&measured, &estimates, request.normalization, &mut device, control, progress);
+            clock.add("envelope", start.elapsed().as_secs_f64());
+            done
+        })
+        .transpose()?;
+    let Measured { sums, plan, sizes, duplicates, first, .. } = measured;
+    let Estimates { pair_correlation, k_function, kernel } = estimates;
     let mut warnings = device.into_warnings();
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
@@ -160,24 +184,6 @@ pub fn run(
                        what the window cuts off leaks into the lowest frequencies";
         warnings.push(warning.to_string());
     }
-    let estimates = Instant::now();
-    let both = |plan: &Option<PairPlan>, sums: &Option<PairCounts>| {
-        Some(PairCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
-    };
-    let pair_correlation = if plan.pcf { both(&plan.pairs, &sums.pairs) } else { None };
-    let cross = plan.classes.as_ref().zip(sums.cross.as_ref()).map(|(classes, sums)| {
-        CrossCorrelation::new(classes.names.clone(), &classes.pairs, sums, request.normalization)
-    });
-    let k_function = match (&plan.pairs, &sums.pairs) {
-        (Some(plan), Some(sums)) => KFunction::new(plan, sums, request.normalization, shape.mean_points),
-        _ => None,
-    };
-    let kernel = match (&plan.fine, &sums.fine, &pair_correlation) {
-        (Some((kernel, plan)), Some(sums), Some(g)) => {
-            Some(KernelEstimate::new(*kernel, &g.r, plan, sums, request.normalization))
-        }
-        _ => None,
-    };
     let empty = kernel.as_ref().map_or(0, |k| k.r.iter().zip(&k.g).filter(|(r, g)| **r > 0.0 && g.is_none()).count());
     if empty > 0 {
         warnings.push(format!(
@@ -185,24 +191,38 @@ pub fn run(
              there; a smaller --bandwidth or --r-max avoids it"
         ));
     }
+    if let Some(coincident) = sums.kernel.as_ref().map(|k| k.coincident).filter(|&c| c > 0) {
+        warnings.push(format!("{coincident} ordered pairs at distance 0 are left out of g_kernel: divisor d would divide by 0"));
+    }
+    if let Some(found) = kernel.as_ref().and_then(|k| k.cross_validation).filter(|f| f.at_end) {
+        let ([lo, hi], b) = (found.range, found.bandwidth);
+        warnings.push(format!(
+            "cross-validation found no least score within bandwidths from {lo:.4e} to {hi:.4e}: {b:.4e} is the end of that range"
+        ));
+    }
+    let start = Instant::now();
+    let cross = plan.classes.as_ref().zip(sums.cross.as_ref()).map(|(classes, sums)| {
+        CrossCorrelation::new(classes.names.clone(), &classes.pairs, sums, request.normalization)
+    });
     let spectrum = plan.waves.as_ref().zip(sums.waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
     let radial = match (&plan.waves, &sums.waves, &spectrum) {
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
         _ => None,
     };
-    let closed_form = closed_form(source, plan, request.normalization, pair_correlation.as_ref());
-    clock.add("estimates", estimates.elapsed().as_secs_f64());
+    let closed_form = closed_form(source, &plan, request.normalization, pair_correlation.as_ref());
+    clock.add("estimates", start.elapsed().as_secs_f64());
     Ok(Analysis {
         subject: source.subject().to_string(),
         parameters: request.parameters(),
         domain: source.domain().clone(),
         shape,
-        min_points: points.0,
+        min_points: sizes.iter().copied().min().unwrap_or(0),
         correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
         pair_correlation,
         cross,
         k_function,
         kernel,
+        envelopes,
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,

@@ -5,28 +5,37 @@ use std::path::Path;
 
 use super::classes::Classes;
 use crate::error::{Error, Result, number};
-use crate::estimate::Kernel;
-use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{
+    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, PairPlan, PairSettings, RadialBins,
+    WaveGrid, WavePlan,
+};
 use crate::points::Domain;
 use crate::points::read::read_edges;
 use crate::request::{Request, Statistic};
 
 /// Everything decided before the first sum: a value that can be printed.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     /// Whether g is wanted, not only K.
     pub(super) pcf: bool,
     pub(super) pairs: Option<PairPlan>,
-    /// A second pass over the pairs, into the fine bins behind a kernel estimate.
-    pub(super) fine: Option<(Kernel, PairPlan)>,
     /// Two classes of points whose own g and whose g with each other is wanted.
     pub(super) classes: Option<Classes>,
+    /// A second pass over the pairs, for a kernel estimate.
+    pub(super) kernel: Option<KernelPlan>,
+    /// A pass before that, to find its bandwidth; until then it is Stoyan's.
+    pub(super) search: Option<BandwidthSearch>,
     pub(super) waves: Option<WavePlan>,
     pub(super) neighbors: bool,
     /// Whether the grid itself is wanted, not only its rings.
     pub(super) grid_wanted: bool,
+    /// Simulations of complete spatial randomness, for envelopes.
+    pub(super) simulations: u64,
     pub(super) batch: u64,
 }
+
+/// Values of simulated curves held at a time: 1 GiB.
+const MAX_SIMULATED: u64 = 1 << 27;
 
 impl Plan {
     /// Decides from the request and the number of points.
@@ -54,13 +63,21 @@ impl Plan {
         if let Some(bins) = bins.as_ref().filter(|_| k_function) {
             check_bins_of_k(request, bins, domain)?;
         }
-        let fine = match (&bins, request.kernel) {
+        let simulations = simulations(request, bins.as_ref())?;
+        let (kernel, search) = match (&bins, request.kernel) {
             (Some(bins), Some(kernel)) => {
-                let kernel = Kernel::new(kernel, request.bandwidth, domain, shape.mean_points)?;
-                let fine = kernel.fine_bins(bins.r_max(), domain)?;
-                Some((kernel, PairPlan::new(domain, fine, PairSettings { cumulative: false, ..settings }, shape)?))
+                let rule = request.bandwidth.unwrap_or(Bandwidth::Stoyan);
+                let divisor = request.divisor.unwrap_or_default();
+                let (r, exact) = (bins.centres(), request.exact_kernel);
+                let ends = [r[0], r[r.len() - 1]];
+                let kernel = Kernel { shape: kernel, bandwidth: rule.value(domain, shape.mean_points) };
+                let plan = KernelPlan::new(kernel, divisor, r, exact, domain, correction, shape)?;
+                let search = (rule == Bandwidth::Lscv)
+                    .then(|| BandwidthSearch::new(kernel.shape, ends, domain, correction, shape))
+                    .transpose()?;
+                (Some(plan), search)
             }
-            _ => None,
+            _ => (None, None),
         };
         let pairs = bins.map(|bins| PairPlan::new(domain, bins, settings, shape)).transpose().map_err(|e| {
             match &request.edges {
@@ -79,16 +96,18 @@ impl Plan {
         } else {
             None
         };
-        let batches =
-            [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
+        let batches = [
+            pairs.as_ref().map(|p| p.batch),
+            kernel.as_ref().map(|k| k.pairs.batch),
+            search.as_ref().map(|s| s.pairs.batch),
+            waves.as_ref().map(|w| w.batch),
+        ];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
-        Ok(Self { pcf, pairs, fine, classes: None, waves, neighbors, grid_wanted, batch })
+        Ok(Self { pcf, pairs, kernel, search, classes: None, waves, neighbors, grid_wanted, simulations, batch })
     }
-}
 
-impl Plan {
     /// The same plan for points of the classes with these names (`Source::classes`), of which there are none without
     /// `--class-column`.
     pub fn with_classes(mut self, request: &Request, names: &[String]) -> Result<Self> {
@@ -97,6 +116,23 @@ impl Plan {
         }
         Ok(self)
     }
+
+    /// What a simulation for envelopes needs of it.
+    pub(super) fn of_simulations(&self) -> Self {
+        Self { waves: None, neighbors: false, grid_wanted: false, simulations: 0, ..self.clone() }
+    }
+}
+
+/// The number of simulations asked for.
+fn simulations(request: &Request, bins: Option<&RadialBins>) -> Result<u64> {
+    let (Some(simulations), Some(bins)) = (request.envelope, bins) else { return Ok(0) };
+    let curves = if request.kernel.is_some() { 2 } else { 1 };
+    let largest = MAX_SIMULATED / (curves * bins.len() as u64) - 1;
+    if (1..=largest).contains(&simulations) {
+        return Ok(simulations);
+    }
+    let reason = format!("expected 1 to {largest} simulations of {} bins", bins.len());
+    Err(Error::setting("--envelope", simulations, reason))
 }
 
 /// A setting of a statistic that was not asked for would be silently ignored.
@@ -165,9 +201,11 @@ impl fmt::Display for Plan {
         if let Some(pairs) = &self.pairs {
             write!(f, "{pairs}")?;
         }
-        if let Some((kernel, fine)) = &self.fine {
-            writeln!(f, "kernel estimate: {:?}, bandwidth {}, from fine counts:", kernel.shape, kernel.bandwidth)?;
-            write!(f, "{fine}")?;
+        if let Some(search) = &self.search {
+            write!(f, "{search}")?;
+        }
+        if let Some(kernel) = &self.kernel {
+            write!(f, "{kernel}")?;
         }
         if let Some(classes) = &self.classes {
             write!(f, "{classes}")?;
@@ -177,6 +215,10 @@ impl fmt::Display for Plan {
         }
         if self.neighbors {
             writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
+        }
+        if self.simulations > 0 {
+            let n = self.simulations;
+            writeln!(f, "envelope: {n} simulations of complete spatial randomness, each with all the pairs above")?;
         }
         let skipped = [(!self.pcf, "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {

@@ -1,7 +1,7 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{KernelSums, PairCounts, WavePower};
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{CrossCounts, NearestNeighbors, neighbor_distances};
@@ -11,8 +11,8 @@ use crate::points::Ensemble;
 #[derive(Default)]
 pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
-    pub(super) fine: Option<PairCounts>,
     pub(super) cross: Option<CrossCounts>,
+    pub(super) kernel: Option<KernelSums>,
     pub(super) waves: Option<WavePower>,
     pub(super) neighbors: Option<NearestNeighbors>,
 }
@@ -32,16 +32,17 @@ impl Sums {
             clock.time(name, work)
         };
         let mut sums = Self::default();
-        for (name, plan, sums) in [
-            ("pair_counts", plan.pairs.as_ref(), &mut sums.pairs),
-            ("pair_counts (kernel)", plan.fine.as_ref().map(|f| &f.1), &mut sums.fine),
-        ] {
-            if let Some(plan) = plan {
-                stage(name, &mut || {
-                    *sums = Some(device.pair_counts(plan, batch, control)?);
-                    Ok(())
-                })?;
-            }
+        if let Some(plan) = &plan.pairs {
+            stage("pair_counts", &mut || {
+                sums.pairs = Some(device.pair_counts(plan, batch, control)?);
+                Ok(())
+            })?;
+        }
+        if let Some(plan) = &plan.kernel {
+            stage("kernel_sums", &mut || {
+                sums.kernel = Some(device.kernel_sums(plan, batch, control)?);
+                Ok(())
+            })?;
         }
         if let Some(classes) = &plan.classes {
             stage("pair_counts (classes)", &mut || {
@@ -67,12 +68,12 @@ impl Sums {
     /// Adds the sums of the batch that follows.
     pub(super) fn merge(&mut self, next: Self) -> Result<()> {
         merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
-        merge(&mut self.fine, next.fine, |a, b| a.merge(&b))?;
         merge(&mut self.cross, next.cross, |sum, next| {
             sum.a.merge(&next.a)?;
             sum.b.merge(&next.b)?;
             sum.between.merge(&next.between)
         })?;
+        merge(&mut self.kernel, next.kernel, |a, b| a.merge(b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }
@@ -81,8 +82,8 @@ impl Sums {
     pub(super) fn computed_by(&self) -> ComputedBy {
         let tags = [
             self.pairs.as_ref().map(|s| &s.computed_by),
-            self.fine.as_ref().map(|s| &s.computed_by),
             self.cross.as_ref().map(|s| &s.between.computed_by),
+            self.kernel.as_ref().map(|s| &s.computed_by),
             self.waves.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));
@@ -90,7 +91,7 @@ impl Sums {
     }
 }
 
-fn merge<T>(sum: &mut Option<T>, next: Option<T>, add: impl Fn(&mut T, T) -> Result<()>) -> Result<()> {
+pub(super) fn merge<T>(sum: &mut Option<T>, next: Option<T>, add: impl Fn(&mut T, T) -> Result<()>) -> Result<()> {
     match (sum.as_mut(), next) {
         (Some(sum), Some(next)) => add(sum, next),
         (None, next) => {

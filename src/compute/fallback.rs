@@ -1,9 +1,9 @@
 //! A device with the CPU path behind it.
 
-use super::{Compute, Control, cpu::Cpu};
-use crate::accumulate::{PairCounts, WavePower};
+use super::{Compute, Control, binned_kernel, cpu::Cpu};
+use crate::accumulate::{KernelSums, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{PairPlan, WavePlan};
+use crate::plan::{KernelPlan, KernelRoad, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// Computes on a device, and on the CPU path what the device does not do, or everything once it has failed. Says so.
@@ -35,6 +35,24 @@ impl<'a> WithFallback<'a> {
         self.run(self.device.supports_wave_power(plan), |c| c.wave_power(plan, ensemble, control))
     }
 
+    /// By the road of the plan. That the direct sum is not for a GPU is part of the plan: nothing to warn of.
+    pub(crate) fn kernel_sums(
+        &mut self,
+        plan: &KernelPlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Result<KernelSums> {
+        match plan.road {
+            KernelRoad::Binned => self.run(self.device.supports_pair_counts(&plan.pairs), |c| {
+                binned_kernel::kernel_sums(c, plan, ensemble, control)
+            }),
+            KernelRoad::Direct => match self.device.kernel_sums(plan, ensemble, control) {
+                Some(sums) => sums,
+                None => self.cpu()?.direct_kernel_sums(plan, ensemble, control),
+            },
+        }
+    }
+
     /// What the user should know about who computed.
     pub(crate) fn into_warnings(self) -> Vec<String> {
         self.warnings
@@ -54,11 +72,14 @@ impl<'a> WithFallback<'a> {
                 Err(why) => self.warn(format!("{why}; done on the native CPU path")),
             }
         }
-        let cpu = match &mut self.cpu {
-            Some(cpu) => cpu,
-            none => none.insert(Cpu::new(self.threads)?),
-        };
-        work(cpu)
+        work(self.cpu()?)
+    }
+
+    fn cpu(&mut self) -> Result<&Cpu> {
+        match &mut self.cpu {
+            Some(cpu) => Ok(cpu),
+            none => Ok(none.insert(Cpu::new(self.threads)?)),
+        }
     }
 
     fn warn(&mut self, warning: String) {

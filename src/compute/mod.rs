@@ -3,6 +3,7 @@
 //! - `cpu`: threads and SIMD;
 //! - `gpu`: WGSL; the only folder that names wgpu.
 
+mod binned_kernel;
 pub mod cpu;
 mod device_choice;
 mod fallback;
@@ -14,9 +15,9 @@ pub(crate) use fallback::WithFallback;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{KernelSums, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{PairPlan, WavePlan};
+use crate::plan::{KernelPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// Which of the three ways.
@@ -116,4 +117,9 @@ pub trait Compute: Send + Sync {
 
     /// `|s_m|^2` per stored mode of every realization.
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower>;
+
+    /// The direct kernel sum at every r of every realization; `None` where this way has none and leaves it to the CPU path.
+    fn kernel_sums(&self, _plan: &KernelPlan, _ensemble: &Ensemble, _control: &Control) -> Option<Result<KernelSums>> {
+        None
+    }
 }

@@ -1,6 +1,8 @@
 //! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
 
 mod cross_correlation;
+mod cross_validation;
+mod envelope;
 mod k_function;
 mod neighbors;
 mod pair_correlation;
@@ -10,10 +12,12 @@ mod radial_spectrum;
 mod ratio;
 
 pub use cross_correlation::{CrossCorrelation, CrossCounts};
+pub use cross_validation::CrossValidation;
+pub use envelope::{Curve, Envelope};
 pub use k_function::KFunction;
 pub use neighbors::*;
 pub use pair_correlation::{Normalization, PairCorrelation};
-pub use pair_kernel::{Bandwidth, Divisor, Kernel, KernelEstimate, SmoothingKernel};
+pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;
 pub use radial_spectrum::{RadialSpectrum, Ring};
 

@@ -57,7 +57,7 @@ impl PairCorrelation {
         let edges = bins.edges();
         Self {
             r_lo: edges[..bins.len()].to_vec(),
-            r: edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect(),
+            r: bins.centres(),
             r_hi: edges[1..].to_vec(),
             count: counts.counts.clone(),
             g,

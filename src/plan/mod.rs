@@ -1,17 +1,24 @@
 //! 2. Decide everything, touch nothing: plans are values that can be printed, compared and tested without a device.
 
 mod accuracy;
+mod bandwidth;
 mod bin_filter;
+mod kernel_plan;
 mod pair_plan;
 mod radial_bins;
 mod ring_measure;
+mod smoothing;
 mod wave_grid;
 mod wave_plan;
 
 pub use accuracy::{Accuracy, PowerBound};
+pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
+use kernel_plan::longest_distance;
+pub use kernel_plan::{KernelPlan, KernelRoad};
 pub use pair_plan::{CellGrid, Correction, PairPlan, PairSearch, PairSettings};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
+pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
 pub use wave_grid::{MAX_FREQUENCY, Rings, WaveGrid};
 pub use wave_plan::WavePlan;
 

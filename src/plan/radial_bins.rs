@@ -86,6 +86,11 @@ impl RadialBins {
         &self.edges
     }
 
+    /// The centre of each bin.
+    pub fn centres(&self) -> Vec<f64> {
+        self.edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect()
+    }
+
     /// Number of bins.
     pub fn len(&self) -> usize {
         self.edges.len() - 1

@@ -220,7 +220,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         let kernel = a.kernel.as_ref().map_or(String::new(), |k| {
             format!(
                 " The second curve is smoothed with {} {} kernel whose standard deviation is {} length units.",
-                if k.kernel.shape == crate::estimate::SmoothingKernel::Epanechnikov { "an" } else { "a" },
+                if k.kernel.shape == crate::plan::SmoothingKernel::Epanechnikov { "an" } else { "a" },
                 kernel_name(k.kernel.shape),
                 human(k.kernel.bandwidth)
             )
@@ -241,6 +241,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
              distance <i>r</i> ± half a bin, over the number expected of independent points, with <i>v</i> the \
              measure of the shell and |<i>D</i>| that of the domain; 1 means no correlation.{kernel}"
         );
+        let caption = caption + &envelope(a);
         figure(html, svg, &caption);
     }
     if let (Some(svg), Some(cross)) = (&pictures.cross, &a.cross) {
@@ -305,6 +306,31 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
     }
 }
 
+/// What the envelopes say.
+fn envelope(a: &Analysis) -> String {
+    let Some(e) = &a.envelopes else { return String::new() };
+    let mut text = format!(
+        " {} simulations of complete spatial randomness with as many points: at one <i>r</i> chosen beforehand, a random \
+         pattern leaves their range with probability {}.",
+        e.simulations,
+        human(e.pointwise_significance())
+    );
+    for c in &e.curves {
+        let ([lo, hi], name) = (c.p_interval, if c.observed.name == "g" { "<i>g</i>" } else { "the smoothed <i>g</i>" });
+        let verdict = if c.p <= c.alpha { "differs from" } else { "agrees with" };
+        let _ = write!(
+            text,
+            " Over all <i>r</i>, {name} {verdict} randomness at the {} % level (global rank envelope test by extreme rank \
+             length: <i>p</i> = {}, by extreme rank alone {} to {}).",
+            human(100.0 * c.alpha),
+            human(c.p),
+            human(lo),
+            human(hi)
+        );
+    }
+    text
+}
+
 fn errors(html: &mut String, a: &Analysis) {
     let mut rows: Vec<(String, String)> = Vec::new();
     let across = |what: &str| {
@@ -336,8 +362,14 @@ fn errors(html: &mut String, a: &Analysis) {
         };
         rows.push(("<i>K</i>(<i>r</i>), <i>L</i>(<i>r</i>)".into(), text));
     }
-    if a.kernel.is_some() {
-        rows.push(("kernel estimate".into(), "theory: as if all pairs were independent (Poisson)".into()));
+    if let Some(kernel) = &a.kernel {
+        let text = match kernel.errors {
+            ErrorSource::AcrossRealizations => across("the estimate at each <i>r</i>"),
+            ErrorSource::Theory => {
+                "theory, for a single realization: as if all pairs were independent (Poisson)".into()
+            }
+        };
+        rows.push(("kernel estimate".into(), text));
     }
     if let Some(radial) = &a.radial {
         let text = match radial.errors {

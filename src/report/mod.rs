@@ -27,10 +27,11 @@ use crate::error::{Error, Result};
 const SUMMARY: &str = "summary.json";
 
 /// Every name this module may write. With `force`, only these are ever replaced or removed.
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "pcf.csv",
     "pcf_cross.csv",
     "k_function.csv",
+    "envelope.csv",
     "spectrum_radial.csv",
     "spectrum.npy",
     "spectrum_se.npy",
@@ -181,6 +182,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
     files.add("pcf_cross.csv", table::cross(analysis).map(|t| t.csv()));
     files.add("k_function.csv", table::k_function(analysis).map(|t| t.csv()));
+    files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);

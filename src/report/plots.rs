@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::figure::{BLUE, Figure, GREEN, GREY, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
-use crate::estimate::{ErrorSource, Normalization, SmoothingKernel};
+use crate::estimate::{ErrorSource, Normalization};
+use crate::plan::SmoothingKernel;
 
 type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -66,13 +67,24 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
     let mut layers = vec![
         Layer::Level { name: "g = 1".into(), y: 1.0 },
+    ];
+    let envelope = analysis.envelopes.as_ref().and_then(|e| e.find("g"));
+    if let Some(e) = envelope {
+        let band = e.global[0].iter().zip(&e.global[1]).map(|(&lo, &hi)| lo.is_finite().then_some((lo, hi)));
+        layers.push(Layer::Band {
+            name: "random, global".into(),
+            color: GREY,
+            runs: band_runs(intervals.iter().copied().zip(band)),
+        });
+    }
+    layers.extend([
         Layer::Band {
             name: "±1 s.e.".into(),
             color: BLUE,
             runs: band_runs(intervals.iter().zip(&values).map(|(&x, &(g, se))| (x, Some((g - se, g + se))))),
         },
         Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: at(&pcf.g) },
-    ];
+    ]);
     if let Some(k) = kernel {
         let name = format!("{} kernel", kernel_name(k.kernel.shape));
         let samples = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
@@ -90,11 +102,12 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     };
     let below = if log_y && pcf.g.iter().any(|&g| g < y.start) { " · g near 0 lies below the frame" } else { "" };
     let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
+    let random = envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),
         note: format!(
-            "{}{normalization} · {}{bandwidth}{}{below}",
+            "{}{normalization} · {}{random}{bandwidth}{}{below}",
             size(analysis),
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)

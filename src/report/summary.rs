@@ -4,8 +4,8 @@ use serde::{Serialize, Serializer};
 
 use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{ErrorSource, Kernel, Normalization};
-use crate::plan::{Correction, PowerBound};
+use crate::estimate::{CrossValidation, ErrorSource, Normalization};
+use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -30,6 +30,7 @@ struct Summary<'a> {
     pair_correlation: Option<PairCorrelationOut>,
     cross_correlation: Option<CrossOut<'a>>,
     k_function: Option<KFunctionOut>,
+    envelope: Option<EnvelopesOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
     neighbors: Option<Neighbors>,
@@ -94,7 +95,29 @@ struct KFunctionOut {
 struct KernelOut {
     #[serde(flatten)]
     kernel: Kernel,
-    errors: &'static str,
+    divisor: Divisor,
+    road: KernelRoad,
+    /// On the difference of any g from the direct sum.
+    bound: f64,
+    errors: ErrorSource,
+    cross_validation: Option<CrossValidation>,
+}
+
+#[derive(Serialize)]
+struct EnvelopesOut {
+    simulations: u64,
+    /// The probability that independent points leave the pointwise envelope at one r.
+    pointwise_significance: f64,
+    curves: Vec<EnvelopeOut>,
+}
+
+#[derive(Serialize)]
+struct EnvelopeOut {
+    curve: &'static str,
+    /// Level of the global envelope.
+    alpha: f64,
+    p: f64,
+    p_interval: [f64; 2],
 }
 
 #[derive(Serialize)]
@@ -182,7 +205,23 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             normalization: g.normalization,
             correction: a.correction,
             errors: g.errors,
-            kernel: a.kernel.as_ref().map(|k| KernelOut { kernel: k.kernel, errors: "poisson-pairs" }),
+            kernel: a.kernel.as_ref().map(|k| KernelOut {
+                kernel: k.kernel,
+                divisor: k.divisor,
+                road: k.road,
+                bound: k.bound,
+                errors: k.errors,
+                cross_validation: k.cross_validation,
+            }),
+        }),
+        envelope: a.envelopes.as_ref().map(|e| EnvelopesOut {
+            simulations: e.simulations,
+            pointwise_significance: e.pointwise_significance(),
+            curves: e
+                .curves
+                .iter()
+                .map(|c| EnvelopeOut { curve: c.observed.name, alpha: c.alpha, p: c.p, p_interval: c.p_interval })
+                .collect(),
         }),
         cross_correlation: a.cross.as_ref().map(|c| CrossOut {
             classes: &c.classes,

@@ -1,6 +1,7 @@
 //! Tables: named columns, and the CSV files made of them.
 
 use crate::analysis::Analysis;
+use crate::estimate::Envelope;
 
 /// Columns of equal length.
 pub(super) struct Table {
@@ -28,6 +29,11 @@ impl Table {
 
     fn integers(mut self, name: &'static str, values: impl IntoIterator<Item = u64>) -> Self {
         self.columns.push((name, values.into_iter().map(|v| v.to_string()).collect()));
+        self
+    }
+
+    fn text(mut self, name: &'static str, values: impl IntoIterator<Item = String>) -> Self {
+        self.columns.push((name, values.into_iter().collect()));
         self
     }
 
@@ -96,6 +102,23 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
             .floats(names[2], g.g_se.iter().copied());
     }
     Some(table)
+}
+
+/// `envelope.csv`: every curve after the other, in the units of its own table.
+pub(super) fn envelope(analysis: &Analysis) -> Option<Table> {
+    let curves = &analysis.envelopes.as_ref()?.curves;
+    let column = |of: fn(&Envelope) -> &[f64]| curves.iter().flat_map(move |c| of(c).iter().copied());
+    let names = curves.iter().flat_map(|c| std::iter::repeat_n(c.observed.name.to_string(), c.observed.r.len()));
+    Some(
+        Table::new()
+            .text("curve", names)
+            .floats("r", column(|c| &c.observed.r))
+            .floats("observed", column(|c| &c.observed.values))
+            .floats("lo", column(|c| &c.pointwise[0]))
+            .floats("hi", column(|c| &c.pointwise[1]))
+            .floats("global_lo", column(|c| &c.global[0]))
+            .floats("global_hi", column(|c| &c.global[1])),
+    )
 }
 
 /// `spectrum_radial.csv`: nu in cycles per unit length, P dimensionless, anisotropy in dB.

@@ -2,6 +2,7 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+mod kernel_sums;
 mod pair_bins;
 mod pair_counts;
 mod pair_weights;
@@ -13,9 +14,9 @@ mod wave_power;
 pub use simd::{SimdLevel, fma_gflop};
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{KernelSums, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{PairPlan, WavePlan};
+use crate::plan::{KernelPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// More threads than this are a typing error.
@@ -67,6 +68,16 @@ impl Cpu {
     pub fn level(&self) -> SimdLevel {
         self.level
     }
+
+    /// Kernel sums, pair by pair.
+    pub(super) fn direct_kernel_sums(
+        &self,
+        plan: &KernelPlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Result<KernelSums> {
+        kernel_sums::kernel_sums(self, plan, ensemble, control)
+    }
 }
 
 impl Compute for Cpu {
@@ -82,5 +93,9 @@ impl Compute for Cpu {
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
         wave_power::wave_power(self, plan, ensemble, control)
+    }
+
+    fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
+        Some(self.direct_kernel_sums(plan, ensemble, control))
     }
 }

@@ -74,7 +74,7 @@ impl<'a> PairWeights<'a> {
 
     /// `reference::translation_weight`, operation for operation, with the quotients of sides taken once.
     #[inline(always)]
-    fn translation(&self, i: usize, j: usize) -> u64 {
+    pub(super) fn translation(&self, i: usize, j: usize) -> u64 {
         let mut weight = 1.0;
         for (axis, a) in self.axes.iter().zip(self.sides) {
             // Dividing by a power of two and multiplying with its inverse are the same, exact operation.

@@ -1,5 +1,6 @@
 //! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized.
 
+mod kernel_sums;
 mod pair_counts;
 mod wave_power;
 
@@ -10,9 +11,9 @@ pub use pair_counts::{
 pub use wave_power::phase_turns;
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{KernelSums, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{PairPlan, WavePlan};
+use crate::plan::{KernelPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -40,5 +41,17 @@ impl Compute for Reference {
         }
         sums.close_leaf();
         Ok(sums)
+    }
+
+    fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
+        let mut sums = KernelSums::new(self.computed_by(), plan.r.len());
+        for k in 0..ensemble.realizations() {
+            match kernel_sums::kernel_sums(plan, &ensemble.lengths(k), control) {
+                Ok(curve) => sums.add(ensemble.first_index() + k as u64, &curve),
+                Err(error) => return Some(Err(error)),
+            }
+        }
+        sums.close_leaf();
+        Some(Ok(sums))
     }
 }

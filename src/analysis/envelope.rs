@@ -1,0 +1,102 @@
+//! Envelopes: the same measurement on complete spatial randomness, many times.
+
+use rayon::prelude::*;
+
+use super::measure::{Input, Measured, measure};
+use super::{Clock, Estimates, Progress};
+use crate::compute::{Control, WithFallback};
+use crate::error::Result;
+use crate::estimate::{Curve, Envelope, Normalization};
+use crate::points::{Domain, Ensemble, RawPoints};
+use crate::samplers::{self, ParameterValues, Realization};
+
+/// The observed curves among simulated ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Envelopes {
+    /// Number of simulations.
+    pub simulations: u64,
+    /// One per curve.
+    pub curves: Vec<Envelope>,
+}
+
+impl Envelopes {
+    /// The probability that independent points leave a pointwise envelope at one r chosen beforehand.
+    pub fn pointwise_significance(&self) -> f64 {
+        2.0 / (self.simulations as f64 + 1.0)
+    }
+
+    /// The envelope of a curve.
+    pub fn find(&self, name: &str) -> Option<&Envelope> {
+        self.curves.iter().find(|e| e.observed.name == name)
+    }
+}
+
+/// Every estimated function that has an envelope.
+fn curves(estimates: &Estimates) -> Vec<Curve> {
+    let g = estimates.pair_correlation.as_ref();
+    let k = estimates.k_function.as_ref();
+    let kernel = estimates.kernel.as_ref();
+    let curves = [
+        g.map(|g| Curve { name: "g", r: g.r.clone(), values: g.g.clone() }),
+        kernel.map(|k| Curve {
+            name: "g_kernel",
+            r: k.r.clone(),
+            values: k.g.iter().map(|g| g.unwrap_or(f64::NAN)).collect(),
+        }),
+        k.map(|k| Curve { name: "k", r: k.r.clone(), values: k.k.clone() }),
+        k.map(|k| Curve { name: "l", r: k.r.clone(), values: k.l.clone() }),
+    ];
+    curves.into_iter().flatten().collect()
+}
+
+/// Simulates what was measured: independent uniform points in the same domain, as many in each realization. A bandwidth
+/// found by cross-validation is found anew, so that all curves are treated alike. Simulation s of N takes sampler `random` with
+/// seed 2^64 - s, on the scale of the domain.
+pub(super) fn envelopes(
+    observed: &Measured<'_>,
+    estimates: &Estimates,
+    normalization: Normalization,
+    device: &mut WithFallback<'_>,
+    control: &Control,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Envelopes> {
+    let simulations = observed.plan.simulations;
+    let (plan, domain) = (observed.plan.of_simulations(), observed.first.domain());
+    let observed_curves = curves(estimates);
+    let mut simulated = vec![Vec::new(); observed_curves.len()];
+    for s in 0..simulations {
+        progress(Progress { stage: "envelope", done: s, total: simulations });
+        let input = Input {
+            subject: "simulation",
+            realizations: observed.sizes.len() as u64,
+            batch: &|range| random(domain, u64::MAX - s, range.start, &observed.sizes[range.start as usize..range.end as usize]),
+            normalization,
+        };
+        let measured = measure(&plan, &input, device, control, &mut Clock::default(), &mut |_, _| ())?;
+        let curves = curves(&Estimates::new(&measured, normalization));
+        simulated.iter_mut().zip(curves).for_each(|(all, curve)| all.push(curve.values));
+    }
+    let curves = observed_curves.into_iter().zip(simulated).map(|(curve, all)| Envelope::new(curve, &all)).collect();
+    Ok(Envelopes { simulations, curves })
+}
+
+/// Realizations `first..` of complete spatial randomness, of the given sizes.
+fn random(domain: &Domain, seed: u64, first: u64, sizes: &[u64]) -> Result<Ensemble> {
+    let sampler = samplers::find("random")?;
+    let values = ParameterValues::defaults(sampler)?;
+    let dim = domain.dim();
+    let one = |(index, &n): (u64, &u64)| {
+        let realization = Realization { n, dim, seed, index };
+        let mut coordinates = if n == 0 { Vec::new() } else { sampler.generate(&realization, &values)? };
+        for point in coordinates.chunks_exact_mut(dim) {
+            for ((x, origin), side) in point.iter_mut().zip(domain.origin()).zip(domain.sides()) {
+                *x = origin + *x * side;
+            }
+        }
+        Ok(RawPoints { dim, coordinates, source: "simulation".into(), lines: Vec::new() })
+    };
+    let sets: Vec<_> = (first..first + sizes.len() as u64).zip(sizes).collect();
+    let raw = sets.into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
+    // Rounding may put a point on the far side of a torus.
+    Ensemble::from_raw(&raw, domain, domain.is_torus(), first)
+}

@@ -1,0 +1,54 @@
+//! Kernel sums from exact counts in fine bins, on any device: each pair is spread evenly over its bin.
+
+use rayon::prelude::*;
+
+use super::{Compute, Control};
+use crate::accumulate::{KernelCurve, KernelSums, PairCounts};
+use crate::error::Result;
+use crate::plan::KernelPlan;
+use crate::points::Ensemble;
+
+/// The kernel sums of every realization, counted by `count`.
+pub(super) fn kernel_sums(
+    device: &dyn Compute,
+    plan: &KernelPlan,
+    ensemble: &Ensemble,
+    control: &Control,
+) -> Result<KernelSums> {
+    let mut sums = KernelSums::new(device.computed_by(), plan.r.len());
+    for k in 0..ensemble.realizations() {
+        let counts = device.pair_counts(&plan.pairs, &ensemble.slice(k..k + 1), control)?;
+        sums.add(ensemble.first_index() + k as u64, &curve(plan, ensemble.points_in(k) as u64, &counts));
+    }
+    sums.close_leaf();
+    Ok(sums)
+}
+
+/// The sums of one realization. The mean of the kernel over a fine bin is known in closed form, and a pair's own value
+/// differs from it by no more than the kernel's oscillation over the bin: that is the bound.
+fn curve(plan: &KernelPlan, n: u64, counts: &PairCounts) -> KernelCurve {
+    let (kernel, bins) = (plan.kernel, &plan.pairs.bins);
+    let edges = bins.edges();
+    let width = bins.r_max() / bins.len() as f64;
+    let mut curve = KernelCurve::new(n, plan.r.len());
+    let at = |r: f64| {
+        let first = ((r - kernel.reach()) / width).floor().max(0.0) as usize;
+        let last = (((r + kernel.reach()) / width).ceil() as usize).min(bins.len());
+        let [mut sum, mut squares, mut bound] = [0.0; 3];
+        for b in (first..last).filter(|&b| counts.counts[b] > 0) {
+            let (lo, hi) = (edges[b] - r, edges[b + 1] - r);
+            let weight = counts.sum(b);
+            let mean = (kernel.cumulative(hi) - kernel.cumulative(lo)) / width;
+            sum += weight * mean;
+            // count / 2 unordered pairs of twice the mean weight.
+            squares += 2.0 * weight * weight * mean * mean / counts.counts[b] as f64;
+            bound += weight * kernel.oscillation(lo, hi);
+        }
+        (sum, (squares, bound))
+    };
+    let values: Vec<_> = plan.r.par_iter().map(|&r| at(r)).collect();
+    let (sums, rest): (Vec<_>, Vec<_>) = values.into_iter().unzip();
+    curve.sums = sums;
+    (curve.squares, curve.bounds) = rest.into_iter().unzip();
+    curve
+}

@@ -1,0 +1,154 @@
+//! The plan for a kernel estimate.
+
+use std::fmt;
+
+use super::{Correction, Divisor, EnsembleShape, Kernel, PairPlan, PairSettings, RadialBins};
+use crate::error::{Error, Result, number};
+use crate::points::Domain;
+
+/// Fine bins per bandwidth, where `MAX_FINE_BINS` allows. A pair is spread evenly over its fine bin, so its distance is
+/// off by at most half of it (bandwidth / 8192) either way: g moves by at most about 1e-5 of max(1, g) even where a kernel
+/// covers only a hundred pairs (the box kernel, which jumps, by one pair at each jump), and in proportion more where the
+/// bins are fewer. Every result carries its own rigorous bound.
+const FINE: f64 = 4096.0;
+
+/// With fewer fine bins per bandwidth than this only the direct sum will do.
+const COARSEST: f64 = 128.0;
+
+/// Fine bins in all. With more the f32 filter decides too few pairs.
+const MAX_FINE_BINS: f64 = 262_144.0;
+
+/// Kernel values that the direct sum may take without being asked: some seconds.
+const AFFORDABLE: f64 = 4e9;
+
+/// How the sum over pairs is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum KernelRoad {
+    /// Pair by pair.
+    Direct,
+    /// From exact counts in fine bins.
+    Binned,
+}
+
+/// Everything decided about a kernel estimate before any pair is looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KernelPlan {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// What a pair is divided by.
+    pub divisor: Divisor,
+    /// Where g is estimated, increasing.
+    pub r: Vec<f64>,
+    /// Whether the direct sum was asked for.
+    pub exact: bool,
+    /// The road taken.
+    pub road: KernelRoad,
+    /// The fine bins, or a single bin that holds every pair a kernel reaches.
+    pub pairs: PairPlan,
+}
+
+/// The longest distance at which every direction is seen.
+pub(super) fn longest_distance(domain: &Domain) -> f64 {
+    if domain.is_torus() { 0.5 * domain.shortest_side() } else { (1.0 - 1e-6) * domain.shortest_side() }
+}
+
+impl KernelPlan {
+    /// Checks the bandwidth and the correction, and decides the road: the direct sum where it is affordable, or no dearer
+    /// than smoothing the fine bins of every realization, or the only one (divisor d, very small bandwidths).
+    pub fn new(
+        kernel: Kernel,
+        divisor: Divisor,
+        r: Vec<f64>,
+        exact: bool,
+        domain: &Domain,
+        settings: impl Into<PairSettings>,
+        shape: EnsembleShape,
+    ) -> Result<Self> {
+        let settings = PairSettings { cumulative: false, ..settings.into() };
+        if matches!(settings.correction, Correction::Border | Correction::Isotropic) {
+            let reason = "a kernel estimate needs one weight per pair; expected translation or none";
+            return Err(Error::setting("--correction", settings.correction, reason));
+        }
+        // Written so that NaN fails.
+        if !(kernel.bandwidth > 0.0 && kernel.bandwidth < domain.shortest_side()) {
+            let reason = format!("expected more than 0 and less than the shortest side ({})", domain.shortest_side());
+            return Err(Error::setting("--bandwidth", number(kernel.bandwidth), reason));
+        }
+        let last = r.last().copied().unwrap_or(0.0);
+        let range = (last + kernel.reach()).min(longest_distance(domain));
+        let pairs = |bins| PairPlan::new(domain, RadialBins::linear(range, bins)?, settings, shape);
+        let mut plan = Self { kernel, divisor, r, exact, road: KernelRoad::Direct, pairs: pairs(1)? };
+        let per_bandwidth = FINE.min(MAX_FINE_BINS * kernel.bandwidth / range);
+        if exact || divisor == Divisor::D || per_bandwidth < COARSEST {
+            return Ok(plan);
+        }
+        let bins = (range / kernel.bandwidth * per_bandwidth).ceil();
+        let smoothing = shape.realizations as f64 * plan.r.len() as f64 * bins.min(2.0 * kernel.reach() / range * bins);
+        if plan.cost() > AFFORDABLE.max(smoothing) {
+            plan.road = KernelRoad::Binned;
+            plan.pairs = pairs(bins as usize)?;
+        }
+        Ok(plan)
+    }
+
+    /// The same with another bandwidth.
+    pub fn with_bandwidth(&self, bandwidth: f64) -> Result<Self> {
+        let (kernel, pairs) = (Kernel { bandwidth, ..self.kernel }, &self.pairs);
+        let settings = PairSettings { masses: pairs.masses, ..pairs.correction.into() };
+        Self::new(kernel, self.divisor, self.r.clone(), self.exact, &pairs.domain, settings, pairs.shape)
+    }
+
+    /// Pairs further apart than this are out of reach.
+    pub fn range(&self) -> f64 {
+        self.pairs.bins.r_max()
+    }
+
+    /// Whether g can be estimated at `r`: not at 0, and not where the kernel reaches past the longest distance.
+    pub fn covers(&self, r: f64) -> bool {
+        // A hair of slack: r + reach may equal the range up to rounding.
+        r > 0.0 && r + self.kernel.reach() <= self.range() * (1.0 + 1e-9)
+    }
+
+    /// Unordered pairs that the direct sum looks at: those near each other along the longest axis.
+    fn looked_at(&self) -> f64 {
+        let longest = self.pairs.domain.sides().iter().copied().fold(0.0, f64::max);
+        self.pairs.pairs() * (2.0 * self.range() / longest).min(1.0)
+    }
+
+    /// Kernel values that the direct sum takes, if the points are spread evenly.
+    fn values(&self) -> f64 {
+        let (domain, bins) = (&self.pairs.domain, &self.pairs.bins);
+        let ball: f64 = (0..bins.len()).map(|bin| bins.shell_measure(bin, domain.dim())).sum();
+        let in_reach = self.pairs.pairs() * (ball / domain.measure()).min(1.0);
+        let span = self.r.last().copied().unwrap_or(0.0) - self.r.first().copied().unwrap_or(0.0);
+        let covered = (self.r.len() as f64 * (2.0 * self.kernel.reach() / span).min(1.0)).max(1.0);
+        in_reach * covered
+    }
+
+    /// The cost of the direct sum, in kernel values; looking at a pair costs about one.
+    fn cost(&self) -> f64 {
+        self.looked_at() + self.values()
+    }
+}
+
+impl fmt::Display for KernelPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let divisor = match self.divisor {
+            Divisor::R => "r",
+            Divisor::D => "d",
+        };
+        let Kernel { shape, bandwidth } = self.kernel;
+        writeln!(f, "kernel estimate: {shape:?}, bandwidth {bandwidth}, divisor {divisor}")?;
+        match self.road {
+            KernelRoad::Direct => {
+                let (looked, values) = (self.looked_at(), self.values());
+                writeln!(f, "  direct sum in f64 on the CPU: {looked:.3e} pairs looked at, {values:.3e} kernel values")
+            }
+            KernelRoad::Binned => {
+                writeln!(f, "  from exact counts in fine bins, realization by realization (--exact-kernel: direct sum):")?;
+                write!(f, "{}", self.pairs)
+            }
+        }
+    }
+}
