@@ -15,6 +15,7 @@ use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
     KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    VectorCorrelation,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};
@@ -40,6 +41,8 @@ pub struct Analysis {
     pub pair_correlation: Option<PairCorrelation>,
     /// g smoothed, at the bin centres.
     pub kernel: Option<KernelEstimate>,
+    /// g per cell of lags.
+    pub vector: Option<VectorCorrelation>,
     /// P on the grid.
     pub spectrum: Option<PowerSpectrum>,
     /// Whether the grid itself was asked for, not only its rings.
@@ -130,7 +133,7 @@ pub fn run(
         mean_points: points.2 as f64 / shape.realizations as f64,
         max_points: points.1,
     };
-    check_points(plan.pairs.is_some() || plan.neighbors, shape)?;
+    check_points(plan.pairs.is_some() || plan.lags.is_some() || plan.neighbors, shape)?;
     let mut warnings = device.into_warnings();
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
@@ -172,6 +175,8 @@ pub fn run(
              there; a smaller --bandwidth or --r-max avoids it"
         ));
     }
+    let lags = plan.lags.as_ref().zip(sums.lags.as_ref());
+    let vector = lags.map(|(plan, sums)| VectorCorrelation::new(plan, sums, request.normalization));
     let spectrum = plan.waves.as_ref().zip(sums.waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
     let radial = match (&plan.waves, &sums.waves, &spectrum) {
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
@@ -188,6 +193,7 @@ pub fn run(
         correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
         pair_correlation,
         kernel,
+        vector,
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,

@@ -3,9 +3,11 @@
 use std::fmt;
 use std::path::Path;
 
-use crate::error::{Error, Result, number};
+use crate::error::{Error, Result, number, numbers};
 use crate::estimate::Kernel;
-use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{
+    BinScale, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan,
+};
 use crate::points::Domain;
 use crate::points::read::read_edges;
 use crate::request::{Request, Statistic};
@@ -16,6 +18,7 @@ pub struct Plan {
     pub(super) pairs: Option<PairPlan>,
     /// A second pass over the pairs, into the fine bins behind a kernel estimate.
     pub(super) fine: Option<(Kernel, PairPlan)>,
+    pub(super) lags: Option<LagPlan>,
     pub(super) waves: Option<WavePlan>,
     pub(super) neighbors: bool,
     /// Whether the grid itself is wanted, not only its rings.
@@ -27,7 +30,7 @@ impl Plan {
     /// Decides from the request and the number of points.
     pub fn new(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Self> {
         let wants = |s| request.stats.contains(&s);
-        check_points(wants(Statistic::Pcf) || wants(Statistic::Neighbors), shape)?;
+        check_points(wants(Statistic::Pcf) || wants(Statistic::PcfVector) || wants(Statistic::Neighbors), shape)?;
         refuse_idle_settings(request)?;
         let bins = wants(Statistic::Pcf).then(|| bins(request, domain, shape.mean_points)).transpose()?;
         let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
@@ -47,6 +50,7 @@ impl Plan {
                 Some(path) => blame_edges(e, path),
                 None => e,
             })?;
+        let lags = wants(Statistic::PcfVector).then(|| lags(request, domain, correction, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
             let frequencies = match given {
@@ -58,12 +62,16 @@ impl Plan {
         } else {
             None
         };
-        let batches =
-            [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
+        let batches = [
+            pairs.as_ref().map(|p| p.batch),
+            fine.as_ref().map(|f| f.1.batch),
+            lags.as_ref().map(|l| l.batch),
+            waves.as_ref().map(|w| w.batch),
+        ];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
-        Ok(Self { pairs, fine, waves, neighbors, grid_wanted, batch })
+        Ok(Self { pairs, fine, lags, waves, neighbors, grid_wanted, batch })
     }
 }
 
@@ -76,15 +84,23 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--bin-scale", text(request.bin_scale.map(|s| format!("{s:?}").to_lowercase()))),
         ("--edges", text(request.edges.as_ref().map(|e| e.display().to_string()))),
         ("--kernel", text(request.kernel.map(|k| format!("{k:?}").to_lowercase()))),
-        ("--correction", text(request.correction.map(|c| format!("{c:?}").to_lowercase()))),
+    ];
+    let any_pcf = [("--correction", text(request.correction.map(|c| c.to_string())))];
+    let lags = [
+        ("--lag-bins", text(request.lag_bins.map(|b| b.to_string()))),
+        ("--lag-max", text(request.lag_max.map(number))),
+        ("--lag-rings", text(request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())))),
     ];
     let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
     let waves = [("--max-frequency", text(request.max_frequency.as_ref().map(list)))];
     let wants = |s| request.stats.contains(&s);
     let idle_pcf = pcf.into_iter().filter(|_| !wants(Statistic::Pcf)).map(|(f, v)| (f, v, "pcf"));
+    let no_pcf = !wants(Statistic::Pcf) && !wants(Statistic::PcfVector);
+    let idle_any_pcf = any_pcf.into_iter().filter(|_| no_pcf).map(|(f, v)| (f, v, "pcf or pcf-vector"));
+    let idle_lags = lags.into_iter().filter(|_| !wants(Statistic::PcfVector)).map(|(f, v)| (f, v, "pcf-vector"));
     let no_waves = !wants(Statistic::Spectrum) && !wants(Statistic::Radial);
     let idle_waves = waves.into_iter().filter(|_| no_waves).map(|(f, v)| (f, v, "spectrum or radial"));
-    match idle_pcf.chain(idle_waves).find(|(_, value, _)| !value.is_empty()) {
+    match idle_pcf.chain(idle_any_pcf).chain(idle_lags).chain(idle_waves).find(|(_, value, _)| !value.is_empty()) {
         Some((flag, value, statistic)) => Err(Error::setting(flag, value, format!("needs {statistic} among --stats"))),
         None => Ok(()),
     }
@@ -95,7 +111,7 @@ pub(super) fn check_points(pairs: bool, shape: EnsembleShape) -> Result<()> {
     let reason = match shape.max_points {
         0 => "no realization has any points; nothing can be measured",
         1 if pairs => {
-            "pcf and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
+            "pcf, pcf-vector and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
         }
         _ => return Ok(()),
     };
@@ -110,6 +126,9 @@ impl fmt::Display for Plan {
         if let Some((kernel, fine)) = &self.fine {
             writeln!(f, "kernel estimate: {:?}, bandwidth {}, from fine counts:", kernel.shape, kernel.bandwidth)?;
             write!(f, "{fine}")?;
+        }
+        if let Some(lags) = &self.lags {
+            write!(f, "{lags}")?;
         }
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
@@ -135,6 +154,16 @@ fn blame_edges(error: Error, path: &Path) -> Error {
         Error::Setting { flag: "--edges" | "--bins", reason, .. } => Error::setting("--edges", path.display(), reason),
         other => other,
     }
+}
+
+/// The lags a request asks for. Corrections that are only for g(r) are left to it.
+fn lags(request: &Request, domain: &Domain, correction: Correction, shape: EnsembleShape) -> Result<LagPlan> {
+    let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(64), request.lag_max)?;
+    let correction = match correction {
+        Correction::Isotropic | Correction::Border if request.stats.contains(&Statistic::Pcf) => Correction::Translation,
+        other => other,
+    };
+    LagPlan::new(domain, grid, correction, request.lag_rings.as_deref(), shape)
 }
 
 /// The bins a request asks for.

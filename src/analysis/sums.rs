@@ -1,7 +1,7 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{NearestNeighbors, neighbor_distances};
@@ -12,6 +12,7 @@ use crate::points::Ensemble;
 pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
     pub(super) fine: Option<PairCounts>,
+    pub(super) lags: Option<LagCounts>,
     pub(super) waves: Option<WavePower>,
     pub(super) neighbors: Option<NearestNeighbors>,
 }
@@ -42,6 +43,12 @@ impl Sums {
                 })?;
             }
         }
+        if let Some(plan) = &plan.lags {
+            stage("lag_counts", &mut || {
+                sums.lags = Some(device.lag_counts(plan, batch, control)?);
+                Ok(())
+            })?;
+        }
         if let Some(plan) = &plan.waves {
             stage("wave_power", &mut || {
                 sums.waves = Some(device.wave_power(plan, batch, control)?);
@@ -61,6 +68,7 @@ impl Sums {
     pub(super) fn merge(&mut self, next: Self) -> Result<()> {
         merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
         merge(&mut self.fine, next.fine, |a, b| a.merge(&b))?;
+        merge(&mut self.lags, next.lags, |a, b| a.merge(&b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }
@@ -70,6 +78,7 @@ impl Sums {
         let tags = [
             self.pairs.as_ref().map(|s| &s.computed_by),
             self.fine.as_ref().map(|s| &s.computed_by),
+            self.lags.as_ref().map(|s| &s.computed_by),
             self.waves.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));

@@ -6,12 +6,14 @@ mod pair_kernel;
 mod power_spectrum;
 mod radial_spectrum;
 mod ratio;
+mod vector_correlation;
 
 pub use neighbors::*;
 pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::{Bandwidth, Divisor, Kernel, KernelEstimate, SmoothingKernel};
 pub use power_spectrum::PowerSpectrum;
 pub use radial_spectrum::{RadialSpectrum, Ring};
+pub use vector_correlation::{SectorCorrelation, VectorCorrelation};
 
 /// Where an error bar comes from. Every output says which.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

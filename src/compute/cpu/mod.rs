@@ -2,6 +2,8 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+mod lag_bins;
+mod lag_counts;
 mod pair_bins;
 mod pair_counts;
 mod pair_weights;
@@ -13,9 +15,9 @@ mod wave_power;
 pub use simd::{SimdLevel, fma_gflop};
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{PairPlan, WavePlan};
+use crate::plan::{LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// More threads than this are a typing error.
@@ -78,6 +80,10 @@ impl Compute for Cpu {
 
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         pair_counts::pair_counts(self, plan, ensemble, control)
+    }
+
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        lag_counts::lag_counts(self, plan, ensemble, control)
     }
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {

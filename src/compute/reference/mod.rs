@@ -1,15 +1,17 @@
 //! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized.
 
+mod lag_counts;
 mod pair_counts;
 mod wave_power;
 
+pub use lag_counts::{canonical_lag, lag_cell};
 pub use pair_counts::{minimum_image, squared_distance, translation_weight};
 pub use wave_power::phase_turns;
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{PairPlan, WavePlan};
+use crate::plan::{LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -25,6 +27,14 @@ impl Compute for Reference {
         let mut sums = PairCounts::new(self.computed_by(), plan);
         for k in 0..ensemble.realizations() {
             sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), control)?);
+        }
+        Ok(sums)
+    }
+
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        let mut sums = LagCounts::new(self.computed_by(), plan);
+        for k in 0..ensemble.realizations() {
+            sums.add(plan, &lag_counts::lag_counts(plan, &ensemble.lengths(k), control)?);
         }
         Ok(sums)
     }
