@@ -45,7 +45,10 @@ impl LagCounts {
         let kind = |c: &Self| (c.cells.sums.len(), c.sectors.sums.len());
         if kind(self) != kind(other) {
             let (a, b) = (self.cells.sums.len(), other.cells.sums.len());
-            return Err(Error::input("lag counts", format!("{a} cells cannot be merged with {b}, or the rings differ")));
+            return Err(Error::input(
+                "lag counts",
+                format!("{a} cells cannot be merged with {b}, or the rings differ"),
+            ));
         }
         self.computed_by = self.computed_by.merge(&other.computed_by);
         self.realizations += other.realizations;

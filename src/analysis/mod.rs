@@ -14,8 +14,7 @@ use crate::accumulate::PairCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    VectorCorrelation,
+    KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};

@@ -5,9 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result, number, numbers};
 use crate::estimate::Kernel;
-use crate::plan::{
-    BinScale, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan,
-};
+use crate::plan::{BinScale, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan};
 use crate::points::Domain;
 use crate::points::read::read_edges;
 use crate::request::{Request, Statistic};
@@ -160,7 +158,9 @@ fn blame_edges(error: Error, path: &Path) -> Error {
 fn lags(request: &Request, domain: &Domain, correction: Correction, shape: EnsembleShape) -> Result<LagPlan> {
     let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(64), request.lag_max)?;
     let correction = match correction {
-        Correction::Isotropic | Correction::Border if request.stats.contains(&Statistic::Pcf) => Correction::Translation,
+        Correction::Isotropic | Correction::Border if request.stats.contains(&Statistic::Pcf) => {
+            Correction::Translation
+        }
         other => other,
     };
     LagPlan::new(domain, grid, correction, request.lag_rings.as_deref(), shape)

@@ -161,8 +161,7 @@ pub struct LagFilter {
 
 impl LagFilter {
     fn new(grid: &LagGrid, domain: &Domain) -> Self {
-        let mut filter =
-            Self { scale: [0.0; 3], offset: [0.5; 3], low: [-1.0; 3], high: [2.0; 3], guard: [0.0; 3] };
+        let mut filter = Self { scale: [0.0; 3], offset: [0.5; 3], low: [-1.0; 3], high: [2.0; 3], guard: [0.0; 3] };
         for axis in 0..grid.dim() {
             let b = grid.bins as f64;
             let half = grid.half[axis] / domain.length_unit() * 2f64.powi(32);
@@ -325,7 +324,10 @@ impl fmt::Display for LagPlan {
         writeln!(f, "  skipped: half of the pairs (-h mirrors h)")?;
         match self.correction {
             Correction::None => writeln!(f, "  skipped: set covariance (not asked for or a torus)"),
-            _ => writeln!(f, "  translation: expected counts are integrals of the window's set covariance over the cells"),
+            _ => writeln!(
+                f,
+                "  translation: expected counts are integrals of the window's set covariance over the cells"
+            ),
         }
     }
 }

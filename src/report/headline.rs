@@ -11,6 +11,11 @@ pub fn headline(a: &Analysis) -> String {
         let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
         lines.push(format!("g(r): {} bins over {range}, {pairs} ordered pairs", g.g.len()));
     }
+    if let Some(vector) = &a.vector {
+        let pairs: u64 = vector.count.iter().sum();
+        let bins = vec![vector.grid.bins.to_string(); vector.grid.dim()].join(" x ");
+        lines.push(format!("g(h): {bins} cells of lags, {pairs} ordered pairs"));
+    }
     if let Some(radial) = &a.radial {
         let first = radial.rings.first().map_or(String::new(), |ring| {
             let error = Some(ring.p_se);

@@ -3,6 +3,7 @@
 //! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
 //! `report.html` only.
 
+mod color_map;
 mod figure;
 mod headline;
 mod html;
@@ -13,6 +14,7 @@ mod spectrum_image;
 mod summary;
 mod table;
 mod text;
+mod vector_image;
 
 pub use headline::headline;
 
@@ -27,12 +29,18 @@ use crate::error::{Error, Result};
 const SUMMARY: &str = "summary.json";
 
 /// Every name this module may write. With `force`, only these are ever replaced or removed.
-const FILES: [&str; 11] = [
+const FILES: [&str; 17] = [
     "pcf.csv",
+    "pcf_angular.csv",
     "spectrum_radial.csv",
     "spectrum.npy",
     "spectrum_se.npy",
+    "pcf_vector.npy",
+    "pcf_vector_se.npy",
+    "pcf_vector_counts.npy",
     "pcf.svg",
+    "pcf_vector.png",
+    "pcf_angular.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
     "spectrum.png",
@@ -175,6 +183,7 @@ fn existing_part(dir: &Path) -> PathBuf {
 fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)> {
     let mut files = Written { dir, done: Vec::new() };
     files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
+    files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
@@ -183,8 +192,16 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             files.grid("spectrum_se.npy", spectrum, &spectrum.p_se);
         }
     }
+    if let Some(vector) = &analysis.vector {
+        files.stream("pcf_vector.npy", |file| npy::lags(&vector.grid, &vector.g, file));
+        if analysis.shape.realizations >= 2 {
+            files.stream("pcf_vector_se.npy", |file| npy::lags(&vector.grid, &vector.g_se, file));
+        }
+        files.stream("pcf_vector_counts.npy", |file| npy::lags(&vector.grid, &vector.count, file));
+    }
     let mut pictures = html::Pictures {
         pcf: files.picture("pcf.svg", plots::pcf(analysis)),
+        pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
         ..Default::default()
@@ -197,6 +214,16 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             }
             Ok(None) => {}
             Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+        }
+    }
+    if let Some(vector) = &analysis.vector {
+        match vector_image::render(vector) {
+            Ok(Some(image)) => {
+                files.add("pcf_vector.png", Some(Ok(&image.png)));
+                pictures.pcf_vector = Some(image);
+            }
+            Ok(None) => {}
+            Err(e) => files.add("pcf_vector.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
         }
     }
     pictures.points = files.picture("points.svg", Some(points_picture::svg(analysis)));
@@ -242,12 +269,16 @@ impl Written<'_> {
         }
     }
 
-    /// Grids may be GiB: straight to the file.
     fn grid(&mut self, name: &'static str, spectrum: &crate::estimate::PowerSpectrum, half: &[f64]) {
+        self.stream(name, |file| npy::grid(spectrum, half, file));
+    }
+
+    /// Grids may be GiB: straight to the file.
+    fn stream(&mut self, name: &'static str, write: impl FnOnce(&mut io::BufWriter<fs::File>) -> io::Result<()>) {
         if !self.failed() {
             let result = fs::File::create(self.dir.join(name)).and_then(|file| {
                 let mut file = io::BufWriter::new(file);
-                npy::grid(spectrum, half, &mut file)?;
+                write(&mut file)?;
                 io::Write::flush(&mut file)
             });
             self.done.push((name, result));

@@ -2,10 +2,11 @@
 
 use serde::{Serialize, Serializer};
 
+use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{ErrorSource, Kernel, Normalization};
-use crate::plan::PowerBound;
+use crate::plan::{Correction, PowerBound};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -28,6 +29,7 @@ struct Summary<'a> {
     backends: &'a [Backend],
     accuracy: Option<AccuracyOut>,
     pair_correlation: Option<PairCorrelationOut>,
+    vector_correlation: Option<VectorOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
     neighbors: Option<Neighbors>,
@@ -68,6 +70,22 @@ struct PairCorrelationOut {
     normalization: Normalization,
     errors: ErrorSource,
     kernel: Option<KernelOut>,
+}
+
+#[derive(Serialize)]
+struct VectorOut {
+    bins: Vec<usize>,
+    /// Lags are in [-H, H) per axis, in length units.
+    half_widths: Vec<f64>,
+    ordered_pairs: u64,
+    normalization: Normalization,
+    correction: Correction,
+    errors: ErrorSource,
+    rings: Vec<f64>,
+    /// g at the ends of the colours of the picture, which are symmetric about 1; beyond them it is clipped.
+    picture_range: Option<[f64; 2]>,
+    /// The part of cells within the range, unless that would exceed [0, 2].
+    picture_quantile: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -162,6 +180,17 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             normalization: g.normalization,
             errors: g.errors,
             kernel: a.kernel.as_ref().map(|k| KernelOut { kernel: k.kernel, errors: "poisson-pairs" }),
+        }),
+        vector_correlation: a.vector.as_ref().map(|v| VectorOut {
+            bins: vec![v.grid.bins; v.grid.dim()],
+            half_widths: v.grid.half.clone(),
+            ordered_pairs: v.count.iter().sum(),
+            normalization: v.normalization,
+            correction: v.correction,
+            errors: v.errors,
+            rings: v.sectors.chunk_by(|a, b| a.r == b.r).map(|ring| ring[0].r[1]).collect(),
+            picture_range: (v.grid.dim() > 1).then(|| vector_image::range(v)),
+            picture_quantile: (v.grid.dim() > 1).then_some(vector_image::QUANTILE),
         }),
         spectrum: a.spectrum.as_ref().map(|s| SpectrumOut {
             max_frequency: s.grid.max_frequency()[..s.grid.dim()].to_vec(),
