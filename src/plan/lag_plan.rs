@@ -250,7 +250,7 @@ impl LagPlan {
     }
 }
 
-/// The sectors of all rings, ring by ring. A ring is one cell wide (the longer side of a cell). Sectors are centred on
+/// The sectors of all rings, ring by ring. A ring is two cells wide (two longer sides of a cell). Sectors are centred on
 /// multiples of pi / N, N a multiple of 4, so that the axes and the diagonals are centres and not borders.
 fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: EnsembleShape) -> Result<Vec<RingSector>> {
     if domain.dim() != 2 {
@@ -262,14 +262,14 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
             None => Ok(Vec::new()),
         };
     }
-    let width = grid.width(0).max(grid.width(1));
+    let width = 2.0 * grid.width(0).max(grid.width(1));
     let (least, most) = (width / 2.0, grid.half[0].min(grid.half[1]) - width / 2.0);
     let fits = |r: f64| r > least && r <= most;
     let radii = match rings {
         Some(radii) => {
             if let Some(&r) = radii.iter().find(|&&r| !fits(r)) {
                 let reason = format!(
-                    "rings are one cell wide ({width}) and fit into the grid of lags: expected more than {least} and \
+                    "rings are two cells wide ({width}) and fit into the grid of lags: expected more than {least} and \
                      at most {most}"
                 );
                 return Err(Error::setting("--lag-rings", number(r), reason));
@@ -284,8 +284,8 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
     let pi = std::f64::consts::PI;
     let mut all = Vec::new();
     for r in radii {
-        // About two cells wide.
-        let count = ((pi * r / (2.0 * width)) as usize).clamp(SECTORS[0], SECTORS[1]) / 4 * 4;
+        // About as wide as the ring.
+        let count = ((pi * r / width) as usize).clamp(SECTORS[0], SECTORS[1]) / 4 * 4;
         let step = pi / count as f64;
         let ring = [r - width / 2.0, r, r + width / 2.0];
         let first = all.len();

@@ -339,8 +339,9 @@ fn vector_figures(
             writeln!(html, "<p>{definition}. In one dimension it is <i>g</i>(<i>r</i>) at <i>r</i> = |<i>h</i>|.</p>");
     }
     if let Some(svg) = &pictures.pcf_angular {
-        let caption = "The same along rings one cell wide, by direction: ordered pairs over expected ones in the cells whose \
-             centres lie in a ring and a sector. Opposite directions are the same; a level line is isotropic.";
+        let caption = "The same along rings two cells wide, by direction: ordered pairs over expected ones in the cells whose \
+             centres lie in a ring and a sector. Opposite directions are the same. An isotropic pattern has level lines, up to \
+             what <i>g</i> changes from cell to cell: finer cells make that less.";
         figure(html, svg, caption);
     }
 }

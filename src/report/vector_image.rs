@@ -1,7 +1,6 @@
 //! `pcf_vector.png`: g on the grid of lags in colours that part at g = 1, lag 0 at the centre, the y axis up.
 
 use super::color_map::diverging;
-use super::text::human;
 use crate::estimate::VectorCorrelation;
 
 /// Pixels a panel is magnified towards, by a whole factor.
@@ -71,7 +70,7 @@ pub(super) fn render(vector: &VectorCorrelation) -> Result<Option<VectorImage>, 
         left += size(right) + GAP;
     }
 
-    let range = |axis: usize| format!("[{}, {})", human(-grid.half[axis]), human(grid.half[axis]));
+    let range = |axis: usize| format!("[-{0}, {0})", grid.half[axis]);
     let mut caption = format!("lags h_x in {} to the right, h_y in {} upward, lag 0 at the centre", range(0), range(1));
     if grid.dim() == 3 {
         let thick = if bins.is_multiple_of(2) { "the mean of the two slices" } else { "the slice" };

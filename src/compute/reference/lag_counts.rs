@@ -32,10 +32,10 @@ use crate::error::Result;
 use crate::plan::LagPlan;
 
 /// The lag `a - b` along one axis of a torus, in steps, in `[-period / 2, period / 2)`; `period` 0 stands for 2^64.
-fn torus_lag(a: u64, b: u64, period: u64) -> i128 {
-    let period = if period == 0 { 1i128 << 64 } else { i128::from(period) };
-    let forward = (i128::from(a) - i128::from(b)).rem_euclid(period);
-    if 2 * forward >= period { forward - period } else { forward }
+fn torus_lag(a: u64, b: u64, period: u64) -> i64 {
+    let forward = if a >= b { a - b } else { a.wrapping_sub(b).wrapping_add(period) };
+    let nearer = if forward >= period.wrapping_sub(forward) { forward.wrapping_sub(period) } else { forward };
+    nearer as i64
 }
 
 /// The lag of points `i` and `j`, chosen of the two by its value.
@@ -44,7 +44,7 @@ pub fn canonical_lag(plan: &LagPlan, axes: &[&[u64]], i: usize, j: usize) -> [i1
         let mut lag = [0; 3];
         for ((lag, axis), period) in lag.iter_mut().zip(axes).zip(plan.domain.periods()) {
             *lag = if plan.domain.is_torus() {
-                torus_lag(axis[i], axis[j], period)
+                i128::from(torus_lag(axis[i], axis[j], period))
             } else {
                 i128::from(axis[i]) - i128::from(axis[j])
             };
