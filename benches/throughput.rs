@@ -8,7 +8,7 @@ use std::time::Instant;
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
 use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 const REPETITIONS: usize = 5;
@@ -55,6 +55,22 @@ fn table(device: &dyn Compute, by_processor: bool) {
             });
             print(&name(what), rate, "Gpair/s", limit);
         }
+    }
+    for (dim, bins, lag_max) in [(2, 64, 0.5), (2, 256, 0.5), (2, 64, 0.05), (3, 64, 0.5)] {
+        let n = 10_000;
+        let name = format!("lags {dim}D, n = {n}, |h| < {lag_max}, {bins}^{dim} cells");
+        let ensemble = uniform(dim, n, 1);
+        let Ok(grid) = LagGrid::new(ensemble.domain(), bins, Some(lag_max)) else { continue };
+        let Ok(plan) = LagPlan::new(ensemble.domain(), grid, Correction::None, None, shape(&ensemble)) else {
+            continue;
+        };
+        if !wanted(&name) {
+            continue;
+        }
+        let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
+            assert!(device.lag_counts(&plan, &ensemble, &Control::default()).is_ok());
+        });
+        print(&name, rate, "Gpair/s", limit);
     }
     for (accuracy, n, k, m) in [
         (Accuracy::Fast, 1024, 16, 64),

@@ -6,10 +6,10 @@ mod common;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::*;
-use pairwave::accumulate::{PairCounts, WavePower};
+use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
 use pairwave::analysis::{self, Analysis, Plan};
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, cpu::Cpu, reference::Reference};
-use pairwave::plan::{PairPlan, WavePlan};
+use pairwave::plan::{LagPlan, PairPlan, WavePlan};
 use pairwave::points::Ensemble;
 use pairwave::request::Request;
 use pairwave::source::Source;
@@ -51,6 +51,13 @@ impl Compute for Mortal {
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         self.call()?;
         let mut sums = Reference.pair_counts(plan, ensemble, control)?;
+        sums.computed_by = self.computed_by();
+        Ok(sums)
+    }
+
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        self.call()?;
+        let mut sums = Reference.lag_counts(plan, ensemble, control)?;
         sums.computed_by = self.computed_by();
         Ok(sums)
     }

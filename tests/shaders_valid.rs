@@ -9,7 +9,7 @@ use std::path::Path;
 
 use common::*;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use pairwave::compute::gpu::{KernelSpec, SHADER_FILES, pair_kernel, probe_kernel, wave_kernels};
+use pairwave::compute::gpu::{KernelSpec, SHADER_FILES, lag_kernel, pair_kernel, probe_kernel, wave_kernels};
 use pairwave::plan::{Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid};
 use pairwave::points::Domain;
 
@@ -21,6 +21,9 @@ fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
     for case in pair_cases(60) {
         specs.extend(WORKGROUP_BYTES.map(|bytes| pair_kernel(&case.plan, bytes)));
+    }
+    for case in lag_cases(20) {
+        specs.extend(WORKGROUP_BYTES.map(|bytes| lag_kernel(&case.plan, bytes)));
     }
     for dim in 1..=3 {
         let cubic = Domain::unit_torus(dim);
@@ -134,6 +137,12 @@ fn workgroup_memory_follows_the_smaller_limit() {
     for case in pair_cases(60) {
         for bytes in WORKGROUP_BYTES {
             let used = pair_kernel(&case.plan, bytes).workgroup_bytes().unwrap();
+            assert!(used <= bytes, "{}: {used} of {bytes} bytes", case.name);
+        }
+    }
+    for case in lag_cases(20) {
+        for bytes in WORKGROUP_BYTES {
+            let used = lag_kernel(&case.plan, bytes).workgroup_bytes().unwrap();
             assert!(used <= bytes, "{}: {used} of {bytes} bytes", case.name);
         }
     }

@@ -16,3 +16,13 @@ fn torus_exact_distance(a: vec2<u32>, b: vec2<u32>, axis: u32) -> vec2<u32> {
     if (d.y >= 0x80000000u) { return wide_sub(vec2<u32>(0u), d); }
     return d;
 }
+
+// The lag p - q in steps of length_unit / 2^32, from rounded coordinates.
+fn torus_lag(p: vec3<u32>, q: vec3<u32>) -> vec3<i32> {
+    return bitcast<vec3<i32>>(p - q);
+}
+
+// The lag a - b along one axis, exact, modulo 2^64.
+fn torus_exact_lag(a: vec2<u32>, b: vec2<u32>, axis: u32) -> vec2<u32> {
+    return wide_sub(a, b);
+}

@@ -1,11 +1,13 @@
 //! 4. Mergeable raw sums. No divisions here.
 
 mod kernel_sums;
+mod lag_counts;
 mod ordered_sum;
 mod pair_counts;
 mod wave_power;
 
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
+pub use lag_counts::LagCounts;
 pub use ordered_sum::{LEAF, OrderedSum};
 pub use pair_counts::{BorderHistogram, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
 pub use wave_power::{PowerMoments, WavePower};

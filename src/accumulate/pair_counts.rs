@@ -128,11 +128,14 @@ pub struct Steps {
 }
 
 impl Steps {
+    /// Of plain counts.
+    pub(super) const ONE: Self = Self { sum_bits: 0, norm_bits: 0, moment_bits: [0, 0] };
+
     fn new(plan: &PairPlan) -> Self {
         match (plan.weighted(), plan.masses) {
             (_, true) => Self { sum_bits: 32, norm_bits: 48, moment_bits: [16, 16] },
             (true, false) => Self { sum_bits: 32, norm_bits: 0, moment_bits: [16, 0] },
-            (false, false) => Self { sum_bits: 0, norm_bits: 0, moment_bits: [0, 0] },
+            (false, false) => Self::ONE,
         }
     }
 }
@@ -143,7 +146,7 @@ fn drop_bits(value: u128, bits: u32) -> u128 {
 }
 
 impl Ratios {
-    fn new(bins: usize, by_bin: bool) -> Self {
+    pub(super) fn new(bins: usize, by_bin: bool) -> Self {
         Self {
             sums: vec![0; bins],
             squares: vec![0; bins],
@@ -157,7 +160,7 @@ impl Ratios {
         &self.norms[bin.min(self.norms.len() - 1)]
     }
 
-    fn add(&mut self, histogram: &PairHistogram, steps: Steps, sum: impl Fn(usize) -> u128) {
+    pub(super) fn add(&mut self, histogram: &PairHistogram, steps: Steps, sum: impl Fn(usize) -> u128) {
         self.add_values(steps, sum, |bin| histogram.norms(bin));
     }
 
@@ -183,7 +186,7 @@ impl Ratios {
         }
     }
 
-    fn merge(&mut self, other: &Self) {
+    pub(super) fn merge(&mut self, other: &Self) {
         let add = |a: &mut u128, b: &u128| *a = a.saturating_add(*b);
         self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| add(a, b));
         self.squares.iter_mut().zip(&other.squares).for_each(|(a, b)| add(a, b));

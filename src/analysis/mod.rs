@@ -9,8 +9,8 @@ mod sums;
 
 use std::time::Instant;
 
-use envelope::envelopes;
 pub use envelope::Envelopes;
+use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
 use plan::check_points;
@@ -19,7 +19,7 @@ use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum,
+    RadialSpectrum, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape};
 use crate::points::{Domain, Ensemble};
@@ -51,6 +51,8 @@ pub struct Analysis {
     pub kernel: Option<KernelEstimate>,
     /// Envelopes of complete spatial randomness.
     pub envelopes: Option<Envelopes>,
+    /// g per cell of lags.
+    pub vector: Option<VectorCorrelation>,
     /// P on the grid.
     pub spectrum: Option<PowerSpectrum>,
     /// Whether the grid itself was asked for, not only its rings.
@@ -115,9 +117,8 @@ impl Estimates {
             pair_correlation: pairs
                 .filter(|_| plan.pcf)
                 .map(|(plan, sums)| PairCorrelation::new(plan, sums, normalization)),
-            k_function: pairs.and_then(|(plan, sums)| {
-                KFunction::new(plan, sums, normalization, measured.shape().mean_points)
-            }),
+            k_function: pairs
+                .and_then(|(plan, sums)| KFunction::new(plan, sums, normalization, measured.shape().mean_points)),
             kernel: kernel.map(|(plan, sums)| KernelEstimate {
                 cross_validation: *cross_validation,
                 ..KernelEstimate::new(plan, sums, normalization)
@@ -148,7 +149,7 @@ pub fn run(
     let measured = measure(plan, &input, &mut device, control, &mut clock, &mut tell)?;
     // A sampler that draws n is only now known to have drawn enough.
     let shape = measured.shape();
-    check_points(plan.pairs.is_some() || plan.neighbors, shape)?;
+    check_points(plan.pairs.is_some() || plan.lags.is_some() || plan.neighbors, shape)?;
     progress(Progress { stage: "estimates", done: total, total });
     let estimates = clock.time("estimates", || Estimates::new(&measured, request.normalization));
     let envelopes = (plan.simulations > 0)
@@ -192,7 +193,9 @@ pub fn run(
         ));
     }
     if let Some(coincident) = sums.kernel.as_ref().map(|k| k.coincident).filter(|&c| c > 0) {
-        warnings.push(format!("{coincident} ordered pairs at distance 0 are left out of g_kernel: divisor d would divide by 0"));
+        warnings.push(format!(
+            "{coincident} ordered pairs at distance 0 are left out of g_kernel: divisor d would divide by 0"
+        ));
     }
     if let Some(found) = kernel.as_ref().and_then(|k| k.cross_validation).filter(|f| f.at_end) {
         let ([lo, hi], b) = (found.range, found.bandwidth);
@@ -204,6 +207,8 @@ pub fn run(
     let cross = plan.classes.as_ref().zip(sums.cross.as_ref()).map(|(classes, sums)| {
         CrossCorrelation::new(classes.names.clone(), &classes.pairs, sums, request.normalization)
     });
+    let lags = plan.lags.as_ref().zip(sums.lags.as_ref());
+    let vector = lags.map(|(plan, sums)| VectorCorrelation::new(plan, sums, request.normalization));
     let spectrum = plan.waves.as_ref().zip(sums.waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
     let radial = match (&plan.waves, &sums.waves, &spectrum) {
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
@@ -223,6 +228,7 @@ pub fn run(
         k_function,
         kernel,
         envelopes,
+        vector,
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,

@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::Path;
 
 use super::classes::Classes;
-use crate::error::{Error, Result, number};
+use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, PairPlan, PairSettings, RadialBins,
-    WaveGrid, WavePlan,
+    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, PairPlan,
+    PairSettings, RadialBins, WaveGrid, WavePlan,
 };
 use crate::points::Domain;
 use crate::points::read::read_edges;
@@ -25,6 +25,7 @@ pub struct Plan {
     pub(super) kernel: Option<KernelPlan>,
     /// A pass before that, to find its bandwidth; until then it is Stoyan's.
     pub(super) search: Option<BandwidthSearch>,
+    pub(super) lags: Option<LagPlan>,
     pub(super) waves: Option<WavePlan>,
     pub(super) neighbors: bool,
     /// Whether the grid itself is wanted, not only its rings.
@@ -42,7 +43,7 @@ impl Plan {
     pub fn new(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Self> {
         let wants = |s| request.stats.contains(&s);
         let (pcf, k_function) = (wants(Statistic::Pcf), wants(Statistic::KFunction));
-        check_points(pcf || k_function || wants(Statistic::Neighbors), shape)?;
+        check_points(pcf || k_function || wants(Statistic::PcfVector) || wants(Statistic::Neighbors), shape)?;
         refuse_idle_settings(request)?;
         let bins = (pcf || k_function).then(|| bins(request, domain, shape.mean_points)).transpose()?;
         let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
@@ -85,6 +86,7 @@ impl Plan {
                 None => e,
             }
         })?;
+        let lags = wants(Statistic::PcfVector).then(|| lags(request, domain, correction, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
             let frequencies = match given {
@@ -100,12 +102,13 @@ impl Plan {
             pairs.as_ref().map(|p| p.batch),
             kernel.as_ref().map(|k| k.pairs.batch),
             search.as_ref().map(|s| s.pairs.batch),
+            lags.as_ref().map(|l| l.batch),
             waves.as_ref().map(|w| w.batch),
         ];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
-        Ok(Self { pcf, pairs, kernel, search, classes: None, waves, neighbors, grid_wanted, simulations, batch })
+        Ok(Self { pcf, pairs, kernel, search, classes: None, lags, waves, neighbors, grid_wanted, simulations, batch })
     }
 
     /// The same plan for points of the classes with these names (`Source::classes`), of which there are none without
@@ -143,7 +146,6 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--bins", text(request.bins.map(|b| b.to_string()))),
         ("--bin-scale", text(request.bin_scale.map(|s| format!("{s:?}").to_lowercase()))),
         ("--edges", text(request.edges.as_ref().map(|e| e.display().to_string()))),
-        ("--correction", text(request.correction.map(|c| c.to_string()))),
         ("--beyond-half", text(request.beyond_half.then(|| "(given)".into()))),
         ("--weight-column", text(request.input.weight_column.clone())),
     ];
@@ -151,15 +153,30 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--kernel", text(request.kernel.map(|k| format!("{k:?}").to_lowercase()))),
         ("--class-column", text(request.input.class_column.clone())),
     ];
+    let any_pairs = [
+        ("--correction", text(request.correction.map(|c| c.to_string()))),
+        ("--envelope", text(request.envelope.map(|n| n.to_string()))),
+    ];
+    let lags = [
+        ("--lag-bins", text(request.lag_bins.map(|b| b.to_string()))),
+        ("--lag-max", text(request.lag_max.map(number))),
+        ("--lag-rings", text(request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())))),
+    ];
     let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
     let waves = [("--max-frequency", text(request.max_frequency.as_ref().map(list)))];
     let wants = |s| request.stats.contains(&s);
     let no_pairs = !wants(Statistic::Pcf) && !wants(Statistic::KFunction);
     let idle_pairs = pairs.into_iter().filter(|_| no_pairs).map(|(f, v)| (f, v, "pcf or k-function"));
     let idle_pcf = pcf.into_iter().filter(|_| !wants(Statistic::Pcf)).map(|(f, v)| (f, v, "pcf"));
+    let idle_any_pairs = any_pairs
+        .into_iter()
+        .filter(|_| no_pairs && !wants(Statistic::PcfVector))
+        .map(|(f, v)| (f, v, "pcf, k-function or pcf-vector"));
+    let idle_lags = lags.into_iter().filter(|_| !wants(Statistic::PcfVector)).map(|(f, v)| (f, v, "pcf-vector"));
     let no_waves = !wants(Statistic::Spectrum) && !wants(Statistic::Radial);
     let idle_waves = waves.into_iter().filter(|_| no_waves).map(|(f, v)| (f, v, "spectrum or radial"));
-    match idle_pairs.chain(idle_pcf).chain(idle_waves).find(|(_, value, _)| !value.is_empty()) {
+    let idle = idle_pairs.chain(idle_pcf).chain(idle_any_pairs).chain(idle_lags).chain(idle_waves);
+    match idle.into_iter().find(|(_, value, _)| !value.is_empty()) {
         Some((flag, value, statistic)) => Err(Error::setting(flag, value, format!("needs {statistic} among --stats"))),
         None => Ok(()),
     }
@@ -189,7 +206,7 @@ pub(super) fn check_points(pairs: bool, shape: EnsembleShape) -> Result<()> {
     let reason = match shape.max_points {
         0 => "no realization has any points; nothing can be measured",
         1 if pairs => {
-            "pcf and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
+            "pcf, pcf-vector and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
         }
         _ => return Ok(()),
     };
@@ -209,6 +226,9 @@ impl fmt::Display for Plan {
         }
         if let Some(classes) = &self.classes {
             write!(f, "{classes}")?;
+        }
+        if let Some(lags) = &self.lags {
+            write!(f, "{lags}")?;
         }
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
@@ -237,6 +257,18 @@ fn blame_edges(error: Error, path: &Path) -> Error {
         Error::Setting { flag: "--edges" | "--bins", reason, .. } => Error::setting("--edges", path.display(), reason),
         other => other,
     }
+}
+
+/// The lags a request asks for. Corrections that are only for g(r) are left to it.
+fn lags(request: &Request, domain: &Domain, correction: Correction, shape: EnsembleShape) -> Result<LagPlan> {
+    let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(64), request.lag_max)?;
+    let correction = match correction {
+        Correction::Isotropic | Correction::Border if request.stats.contains(&Statistic::Pcf) => {
+            Correction::Translation
+        }
+        other => other,
+    };
+    LagPlan::new(domain, grid, correction, request.lag_rings.as_deref(), shape)
 }
 
 /// The bins a request asks for.

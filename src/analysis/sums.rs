@@ -1,7 +1,7 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{KernelSums, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{CrossCounts, NearestNeighbors, neighbor_distances};
@@ -13,6 +13,7 @@ pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
     pub(super) cross: Option<CrossCounts>,
     pub(super) kernel: Option<KernelSums>,
+    pub(super) lags: Option<LagCounts>,
     pub(super) waves: Option<WavePower>,
     pub(super) neighbors: Option<NearestNeighbors>,
 }
@@ -50,6 +51,12 @@ impl Sums {
                 Ok(())
             })?;
         }
+        if let Some(plan) = &plan.lags {
+            stage("lag_counts", &mut || {
+                sums.lags = Some(device.lag_counts(plan, batch, control)?);
+                Ok(())
+            })?;
+        }
         if let Some(plan) = &plan.waves {
             stage("wave_power", &mut || {
                 sums.waves = Some(device.wave_power(plan, batch, control)?);
@@ -74,6 +81,7 @@ impl Sums {
             sum.between.merge(&next.between)
         })?;
         merge(&mut self.kernel, next.kernel, |a, b| a.merge(b))?;
+        merge(&mut self.lags, next.lags, |a, b| a.merge(&b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }
@@ -84,6 +92,7 @@ impl Sums {
             self.pairs.as_ref().map(|s| &s.computed_by),
             self.cross.as_ref().map(|s| &s.between.computed_by),
             self.kernel.as_ref().map(|s| &s.computed_by),
+            self.lags.as_ref().map(|s| &s.computed_by),
             self.waves.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));

@@ -1,9 +1,9 @@
 //! A device with the CPU path behind it.
 
 use super::{Compute, Control, binned_kernel, cpu::Cpu};
-use crate::accumulate::{KernelSums, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, KernelRoad, PairPlan, WavePlan};
+use crate::plan::{KernelPlan, KernelRoad, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// Computes on a device, and on the CPU path what the device does not do, or everything once it has failed. Says so.
@@ -29,6 +29,10 @@ impl<'a> WithFallback<'a> {
         control: &Control,
     ) -> Result<PairCounts> {
         self.run(self.device.supports_pair_counts(plan), |c| c.pair_counts(plan, ensemble, control))
+    }
+
+    pub(crate) fn lag_counts(&mut self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        self.run(self.device.supports_lag_counts(plan), |c| c.lag_counts(plan, ensemble, control))
     }
 
     pub(crate) fn wave_power(&mut self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {

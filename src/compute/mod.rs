@@ -15,9 +15,9 @@ pub(crate) use fallback::WithFallback;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::accumulate::{KernelSums, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, PairPlan, WavePlan};
+use crate::plan::{KernelPlan, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// Which of the three ways.
@@ -112,8 +112,16 @@ pub trait Compute: Send + Sync {
         Ok(())
     }
 
+    /// Whether `lag_counts` can run this plan here; the CPU path takes over where not.
+    fn supports_lag_counts(&self, _plan: &LagPlan) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Ordered pairs per bin of every realization.
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts>;
+
+    /// Ordered pairs per cell of lags of every realization.
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts>;
 
     /// `|s_m|^2` per stored mode of every realization.
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower>;

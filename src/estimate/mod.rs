@@ -10,6 +10,7 @@ mod pair_kernel;
 mod power_spectrum;
 mod radial_spectrum;
 mod ratio;
+mod vector_correlation;
 
 pub use cross_correlation::{CrossCorrelation, CrossCounts};
 pub use cross_validation::CrossValidation;
@@ -20,6 +21,7 @@ pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;
 pub use radial_spectrum::{RadialSpectrum, Ring};
+pub use vector_correlation::{SectorCorrelation, VectorCorrelation};
 
 /// Where an error bar comes from. Every output says which.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

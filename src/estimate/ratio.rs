@@ -1,7 +1,7 @@
 //! `sum c / sum N` over realizations, with its error: what g, K and their like have in common.
 
 use super::{ErrorSource, Normalization, ratio_standard_error};
-use crate::accumulate::{PairCounts, Ratios};
+use crate::accumulate::{PairCounts, Ratios, Steps};
 use crate::plan::PairPlan;
 
 /// One bin of `Ratios`, divided.
@@ -39,16 +39,26 @@ fn mean_weight(counts: &PairCounts) -> f64 {
 
 /// The ratio of one bin.
 pub(super) fn ratio(counts: &PairCounts, ratios: &Ratios, bin: usize, normalization: Normalization) -> Ratio {
+    ratio_of(counts.realizations, counts.steps, ratios, bin, normalization)
+}
+
+/// The same of sums that are not a `PairCounts`.
+pub(super) fn ratio_of(
+    realizations: u64,
+    steps: Steps,
+    ratios: &Ratios,
+    bin: usize,
+    normalization: Normalization,
+) -> Ratio {
     let which = normalization as usize;
     let unit = |bits: u32| 2f64.powi(bits as i32);
-    let steps = counts.steps;
     let norm = ratios.norm(bin)[which];
     let sum = ratios.sums[bin] as f64 / unit(steps.sum_bits);
     let sum_norm = norm.sum as f64 / unit(steps.norm_bits);
-    let error = (ErrorSource::of(counts.realizations) == ErrorSource::AcrossRealizations).then(|| {
+    let error = (ErrorSource::of(realizations) == ErrorSource::AcrossRealizations).then(|| {
         let [c_unit, n_unit] = steps.moment_bits.map(unit);
-        let residuals = residuals(counts.realizations, ratios, bin, which, sum * c_unit, sum_norm * n_unit);
-        ratio_standard_error(counts.realizations, residuals / (c_unit * c_unit), 1.0)
+        let residuals = residuals(realizations, ratios, bin, which, sum * c_unit, sum_norm * n_unit);
+        ratio_standard_error(realizations, residuals / (c_unit * c_unit), 1.0)
     });
     Ratio { sum, norm: sum_norm, error }
 }

@@ -124,7 +124,10 @@ impl BandwidthSearch {
 impl std::fmt::Display for BandwidthSearch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let ([lo, hi], [from, to]) = (self.range, self.distances);
-        writeln!(f, "bandwidth: least-squares cross-validation from {lo:.4e} to {hi:.4e}, over r in [{from:.4e}, {to:.4e}]")?;
+        writeln!(
+            f,
+            "bandwidth: least-squares cross-validation from {lo:.4e} to {hi:.4e}, over r in [{from:.4e}, {to:.4e}]"
+        )?;
         write!(f, "{}", self.pairs)
     }
 }

@@ -176,7 +176,7 @@ fn squared_ratio_ceil(r: f64, unit: f64) -> Option<u128> {
 }
 
 /// A positive finite `x` as `mantissa * 2^exponent`.
-fn mantissa_exponent(x: f64) -> (u64, i32) {
+pub(super) fn mantissa_exponent(x: f64) -> (u64, i32) {
     let bits = x.to_bits();
     let exponent = ((bits >> 52) & 0x7ff) as i32;
     let fraction = bits & ((1 << 52) - 1);

@@ -21,6 +21,11 @@ pub fn headline(a: &Analysis) -> String {
     {
         lines.push(format!("K(r): {} further points within {} of a point, on average", human(neighbors), human(r)));
     }
+    if let Some(vector) = &a.vector {
+        let pairs: u64 = vector.count.iter().sum();
+        let bins = vec![vector.grid.bins.to_string(); vector.grid.dim()].join(" x ");
+        lines.push(format!("g(h): {bins} cells of lags, {pairs} ordered pairs"));
+    }
     if let Some(radial) = &a.radial {
         let first = radial.rings.first().map_or(String::new(), |ring| {
             let error = Some(ring.p_se);

@@ -4,13 +4,15 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 
+use super::color_map::diverging;
 use super::plots::{kernel_name, packing_symbol, size};
 use super::points_picture;
 use super::spectrum_image::{SpectrumImage, TONE_MAP};
 use super::text::{escape, human, with_error};
+use super::vector_image::VectorImage;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{ErrorSource, Normalization};
+use crate::estimate::{ErrorSource, Normalization, VectorCorrelation};
 use crate::plan::Correction;
 
 /// The pictures of one report, as far as there are any.
@@ -19,6 +21,8 @@ pub(super) struct Pictures {
     pub(super) pcf: Option<String>,
     pub(super) cross: Option<String>,
     pub(super) k_function: Option<String>,
+    pub(super) pcf_vector: Option<VectorImage>,
+    pub(super) pcf_angular: Option<String>,
     pub(super) spectrum_radial: Option<String>,
     pub(super) anisotropy: Option<String>,
     pub(super) spectrum: Option<SpectrumImage>,
@@ -43,6 +47,9 @@ figure .picture { overflow-x: auto; }
 figure svg { display: block; width: 100%; min-width: 620px; height: auto; }
 figure img { display: block; width: 100%; max-width: 640px; height: auto; margin: 0 auto; image-rendering: pixelated; }
 figcaption { color: #444; font-size: .95rem; margin-top: .5rem; }
+.scale { max-width: 640px; margin: .5rem auto 0; font-size: .85rem; }
+.scale span { display: block; height: 12px; }
+.scale div { display: flex; justify-content: space-between; }
 pre { background: #f6f6f6; padding: .75rem 1rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
 footer { color: #777; font-size: .85rem; margin-top: 3rem; }
 ";
@@ -84,7 +91,7 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
         ("Backend".into(), backends.join(", ")),
         ("Program".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into()),
     ];
-    if a.pair_correlation.is_some() {
+    if a.pair_correlation.is_some() || a.vector.is_some() {
         rows.push(("Accuracy of the pair counts".into(), "exact".into()));
     }
     if a.spectrum.is_some() {
@@ -270,6 +277,10 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
         figure(html, svg, &caption);
     }
+    if let Some(vector) = &a.vector {
+        html.push_str("<h2>Pair correlation function of the vector</h2>\n");
+        vector_figures(html, vector, pictures, figure);
+    }
     if pictures.spectrum_radial.is_some() || pictures.spectrum.is_some() {
         html.push_str("<h2>Power spectrum</h2>\n");
     }
@@ -316,7 +327,8 @@ fn envelope(a: &Analysis) -> String {
         human(e.pointwise_significance())
     );
     for c in &e.curves {
-        let ([lo, hi], name) = (c.p_interval, if c.observed.name == "g" { "<i>g</i>" } else { "the smoothed <i>g</i>" });
+        let ([lo, hi], name) =
+            (c.p_interval, if c.observed.name == "g" { "<i>g</i>" } else { "the smoothed <i>g</i>" });
         let verdict = if c.p <= c.alpha { "differs from" } else { "agrees with" };
         let _ = write!(
             text,
@@ -329,6 +341,64 @@ fn envelope(a: &Analysis) -> String {
         );
     }
     text
+}
+
+/// g(h) as a picture with its scale of colours, and along rings.
+fn vector_figures(
+    html: &mut String,
+    vector: &VectorCorrelation,
+    pictures: &Pictures,
+    figure: impl Fn(&mut String, &str, &str),
+) {
+    let gamma = match vector.correction {
+        Correction::None => "|<i>D</i>| times its volume",
+        _ => "the integral over the cell of the set covariance |<i>D</i> ∩ (<i>D</i> + <b>h</b>)|",
+    };
+    let pairs = match vector.normalization {
+        Normalization::Pairs => "<i>n</i>(<i>n</i> − 1)",
+        Normalization::Intensity => "<i>n</i><sup>2</sup>",
+    };
+    let definition = format!(
+        "<i>g</i>(<b>h</b>) = |<i>D</i>|<sup>2</sup> ∑<sub><i>k</i></sub> <i>c<sub>k</sub></i> / (<i>V</i> \
+         ∑<sub><i>k</i></sub> {pairs}): <i>c<sub>k</sub></i> ordered pairs of realization <i>k</i> whose lag <b>h</b>, the \
+         vector between the points, is in the cell, and <i>V</i> {gamma}"
+    );
+    if let Some(image) = &pictures.pcf_vector {
+        let data = base64::engine::general_purpose::STANDARD.encode(&image.png);
+        let stops = (0..=16).map(|k| f64::from(k) / 16.0).map(|x| {
+            let [r, g, b] = diverging(x);
+            format!("#{r:02x}{g:02x}{b:02x}")
+        });
+        let stops = stops.collect::<Vec<_>>().join(", ");
+        let [low, high] = image.range.map(human);
+        let ends = if image.range[0] == 0.0 {
+            [low, format!("≥ {high}")]
+        } else {
+            [format!("≤ {low}"), format!("≥ {high}")]
+        };
+        let picture = format!(
+            "<img alt=\"Pair correlation function on the grid of lags\" width=\"{}\" height=\"{}\" \
+             src=\"data:image/png;base64,{data}\">\n<div class=\"scale\"><span style=\"background: linear-gradient(to \
+             right, {stops})\"></span><div><i>{}</i><i>g = 1</i><i>{}</i></div></div>",
+            image.width, image.height, ends[0], ends[1]
+        );
+        let caption = format!(
+            "{definition}: {}. Colours are clipped at {} and {}, symmetric about 1.",
+            escape(&image.caption),
+            human(image.range[0]),
+            human(image.range[1])
+        );
+        figure(html, &picture, &caption);
+    } else {
+        let _ =
+            writeln!(html, "<p>{definition}. In one dimension it is <i>g</i>(<i>r</i>) at <i>r</i> = |<i>h</i>|.</p>");
+    }
+    if let Some(svg) = &pictures.pcf_angular {
+        let caption = "The same along rings two cells wide, by direction: ordered pairs over expected ones in the cells whose \
+             centres lie in a ring and a sector. Opposite directions are the same. An isotropic pattern has level lines, up to \
+             what <i>g</i> changes from cell to cell: finer cells make that less.";
+        figure(html, svg, caption);
+    }
 }
 
 fn errors(html: &mut String, a: &Analysis) {
@@ -370,6 +440,16 @@ fn errors(html: &mut String, a: &Analysis) {
             }
         };
         rows.push(("kernel estimate".into(), text));
+    }
+    if let Some(vector) = &a.vector {
+        let text = match vector.errors {
+            ErrorSource::AcrossRealizations => across("each cell's <i>g</i>, and of each sector's"),
+            ErrorSource::Theory => {
+                "theory, for a single realization: Poisson counts of unordered pairs, a cell and its mirror image being one"
+                    .into()
+            }
+        };
+        rows.push(("<i>g</i>(<b>h</b>)".into(), text));
     }
     if let Some(radial) = &a.radial {
         let text = match radial.errors {

@@ -3,6 +3,7 @@
 //! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
 //! `report.html` only.
 
+mod color_map;
 mod figure;
 mod headline;
 mod html;
@@ -13,6 +14,7 @@ mod spectrum_image;
 mod summary;
 mod table;
 mod text;
+mod vector_image;
 
 pub use headline::headline;
 
@@ -27,17 +29,23 @@ use crate::error::{Error, Result};
 const SUMMARY: &str = "summary.json";
 
 /// Every name this module may write. With `force`, only these are ever replaced or removed.
-const FILES: [&str; 16] = [
+const FILES: &[&str] = &[
     "pcf.csv",
+    "pcf_angular.csv",
     "pcf_cross.csv",
     "k_function.csv",
     "envelope.csv",
     "spectrum_radial.csv",
     "spectrum.npy",
     "spectrum_se.npy",
+    "pcf_vector.npy",
+    "pcf_vector_se.npy",
+    "pcf_vector_counts.npy",
     "pcf.svg",
     "pcf_cross.svg",
     "k_function.svg",
+    "pcf_vector.png",
+    "pcf_angular.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
     "spectrum.png",
@@ -183,6 +191,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("pcf_cross.csv", table::cross(analysis).map(|t| t.csv()));
     files.add("k_function.csv", table::k_function(analysis).map(|t| t.csv()));
     files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
+    files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
@@ -191,10 +200,18 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             files.grid("spectrum_se.npy", spectrum, &spectrum.p_se);
         }
     }
+    if let Some(vector) = &analysis.vector {
+        files.stream("pcf_vector.npy", |file| npy::lags(&vector.grid, &vector.g, file));
+        if analysis.shape.realizations >= 2 {
+            files.stream("pcf_vector_se.npy", |file| npy::lags(&vector.grid, &vector.g_se, file));
+        }
+        files.stream("pcf_vector_counts.npy", |file| npy::lags(&vector.grid, &vector.count, file));
+    }
     let mut pictures = html::Pictures {
         pcf: files.picture("pcf.svg", plots::pcf(analysis)),
         cross: files.picture("pcf_cross.svg", plots::cross(analysis)),
         k_function: files.picture("k_function.svg", plots::k_function(analysis)),
+        pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
         ..Default::default()
@@ -207,6 +224,16 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             }
             Ok(None) => {}
             Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+        }
+    }
+    if let Some(vector) = &analysis.vector {
+        match vector_image::render(vector) {
+            Ok(Some(image)) => {
+                files.add("pcf_vector.png", Some(Ok(&image.png)));
+                pictures.pcf_vector = Some(image);
+            }
+            Ok(None) => {}
+            Err(e) => files.add("pcf_vector.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
         }
     }
     pictures.points = files.picture("points.svg", Some(points_picture::svg(analysis)));
@@ -252,12 +279,16 @@ impl Written<'_> {
         }
     }
 
-    /// Grids may be GiB: straight to the file.
     fn grid(&mut self, name: &'static str, spectrum: &crate::estimate::PowerSpectrum, half: &[f64]) {
+        self.stream(name, |file| npy::grid(spectrum, half, file));
+    }
+
+    /// Grids may be GiB: straight to the file.
+    fn stream(&mut self, name: &'static str, write: impl FnOnce(&mut io::BufWriter<fs::File>) -> io::Result<()>) {
         if !self.failed() {
             let result = fs::File::create(self.dir.join(name)).and_then(|file| {
                 let mut file = io::BufWriter::new(file);
-                npy::grid(spectrum, half, &mut file)?;
+                write(&mut file)?;
                 io::Write::flush(&mut file)
             });
             self.done.push((name, result));

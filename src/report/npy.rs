@@ -1,13 +1,27 @@
-//! `spectrum.npy`, `spectrum_se.npy`: f64, the whole grid, index `m + F`, x axis first.
+//! `spectrum.npy`, `spectrum_se.npy`: f64, the whole grid, index `m + F`, x axis first. `pcf_vector.npy`,
+//! `pcf_vector_se.npy`: f64, a value per cell of lags, x axis first; `pcf_vector_counts.npy`: u64, the same.
 
 use npyz::WriterBuilder;
 
 use crate::estimate::PowerSpectrum;
+use crate::plan::LagGrid;
 
 /// One grid as a .npy file, from stored values (`p` or `p_se`).
 pub(super) fn grid(spectrum: &PowerSpectrum, half: &[f64], file: impl std::io::Write) -> std::io::Result<()> {
     let shape: Vec<u64> = spectrum.full_shape().iter().map(|&n| n as u64).collect();
     let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
     writer.extend(spectrum.full(half))?;
+    writer.finish()
+}
+
+/// One value per cell of a grid of lags.
+pub(super) fn lags<T: npyz::AutoSerialize + Copy>(
+    grid: &LagGrid,
+    values: &[T],
+    file: impl std::io::Write,
+) -> std::io::Result<()> {
+    let shape = vec![grid.bins as u64; grid.dim()];
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
+    writer.extend(values.iter().copied())?;
     writer.finish()
 }

@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
-use super::figure::{BLUE, Figure, GREEN, GREY, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
+use super::figure::{
+    BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, PURPLE, SKY, TopAxis, VERMILION, band_runs, runs, sub,
+};
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
-use crate::estimate::{ErrorSource, Normalization};
+use crate::estimate::{ErrorSource, Normalization, SectorCorrelation};
 use crate::plan::SmoothingKernel;
 
 type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
@@ -65,9 +67,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let top = y.end;
 
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
-    let mut layers = vec![
-        Layer::Level { name: "g = 1".into(), y: 1.0 },
-    ];
+    let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let envelope = analysis.envelopes.as_ref().and_then(|e| e.find("g"));
     if let Some(e) = envelope {
         let band = e.global[0].iter().zip(&e.global[1]).map(|(&lo, &hi)| lo.is_finite().then_some((lo, hi)));
@@ -102,7 +102,8 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     };
     let below = if log_y && pcf.g.iter().any(|&g| g < y.start) { " · g near 0 lies below the frame" } else { "" };
     let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
-    let random = envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
+    let random =
+        envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),
@@ -213,6 +214,48 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
         log_x: false,
         log_y: false,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
+        layers,
+    };
+    Some(figure.svg())
+}
+
+/// g against direction along every ring, with bands. Opposite directions are the same, so 0 to 180 degrees are all.
+pub(super) fn pcf_angular(analysis: &Analysis) -> Option<Svg> {
+    let vector = analysis.vector.as_ref()?;
+    let values: Vec<(f64, f64)> = vector.sectors.iter().filter_map(|s| Some((s.g?, s.g_se?))).collect();
+    let ends: Vec<f64> = values.iter().flat_map(|&(g, se)| [g - se, g + se]).filter(|v| v.is_finite()).collect();
+    let (lowest, highest) = extent(&ends)?;
+    // 1 is part of the picture, and noise does not fill it.
+    let (lowest, highest) = (lowest.clamp(0.0, 0.98), highest.max(1.02));
+    let pad = 0.06 * (highest - lowest);
+    let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
+    let colors = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
+    for (ring, color) in vector.sectors.chunk_by(|a, b| a.r == b.r).zip(colors.into_iter().cycle()) {
+        let degrees = |turn: f64| move |s: &SectorCorrelation| s.theta.map(|t| t.to_degrees() + turn);
+        let samples: Vec<_> = ring
+            .iter()
+            .map(|s| (degrees(0.0)(s), s))
+            // The first sector again, at the other end.
+            .chain(ring.first().map(|s| (degrees(180.0)(s), s)))
+            .map(|([lo, at, hi], s)| ((lo.max(0.0), at, hi.min(180.0)), s.g.zip(s.g_se)))
+            .collect();
+        let band = samples.iter().map(|&(x, y)| (x, y.map(|(g, se)| (g - se, g + se))));
+        layers.push(Layer::Band { name: String::new(), color, runs: band_runs(band) });
+        let name = format!("r = {}", human(ring[0].r[1]));
+        let line = runs(samples.iter().map(|&(x, y)| (x, y.map(|y| y.0))));
+        layers.push(Layer::Line { name, color, width: 1.6, dashed: false, runs: line });
+    }
+    let figure = Figure {
+        title: "Pair correlation function along rings g(r, θ)",
+        subject: analysis.subject.clone(),
+        note: format!("{} · {}", size(analysis), error_note(vector.errors, "Poisson counts")),
+        x_label: "direction θ of the lag (degrees from the x axis)".into(),
+        y_label: "g(r, θ) (dimensionless)".into(),
+        x: 0.0..180.0,
+        y: (lowest - pad).max(0.0)..highest + pad,
+        log_x: false,
+        log_y: false,
+        top: None,
         layers,
     };
     Some(figure.svg())

@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{CrossValidation, ErrorSource, Normalization};
@@ -31,6 +32,7 @@ struct Summary<'a> {
     cross_correlation: Option<CrossOut<'a>>,
     k_function: Option<KFunctionOut>,
     envelope: Option<EnvelopesOut>,
+    vector_correlation: Option<VectorOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
     neighbors: Option<Neighbors>,
@@ -89,6 +91,22 @@ struct KFunctionOut {
     normalization: Normalization,
     correction: Correction,
     errors: ErrorSource,
+}
+
+#[derive(Serialize)]
+struct VectorOut {
+    bins: Vec<usize>,
+    /// Lags are in [-H, H) per axis, in length units.
+    half_widths: Vec<f64>,
+    ordered_pairs: u64,
+    normalization: Normalization,
+    correction: Correction,
+    errors: ErrorSource,
+    rings: Vec<f64>,
+    /// g at the ends of the colours of the picture, which are symmetric about 1; beyond them it is clipped.
+    picture_range: Option<[f64; 2]>,
+    /// The part of cells within the range, unless that would exceed [0, 2].
+    picture_quantile: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -234,6 +252,17 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             normalization: k.normalization,
             correction: a.correction,
             errors: k.errors,
+        }),
+        vector_correlation: a.vector.as_ref().map(|v| VectorOut {
+            bins: vec![v.grid.bins; v.grid.dim()],
+            half_widths: v.grid.half.clone(),
+            ordered_pairs: v.count.iter().sum(),
+            normalization: v.normalization,
+            correction: v.correction,
+            errors: v.errors,
+            rings: v.sectors.chunk_by(|a, b| a.r == b.r).map(|ring| ring[0].r[1]).collect(),
+            picture_range: (v.grid.dim() > 1).then(|| vector_image::range(v)),
+            picture_quantile: (v.grid.dim() > 1).then_some(vector_image::QUANTILE),
         }),
         spectrum: a.spectrum.as_ref().map(|s| SpectrumOut {
             max_frequency: s.grid.max_frequency()[..s.grid.dim()].to_vec(),

@@ -121,6 +121,27 @@ pub(super) fn envelope(analysis: &Analysis) -> Option<Table> {
     )
 }
 
+/// `pcf_angular.csv`: one row per ring and sector, angles in radians; `cells` and `count` are of one of each mirror pair.
+pub(super) fn angular(analysis: &Analysis) -> Option<Table> {
+    let sectors = &analysis.vector.as_ref()?.sectors;
+    if sectors.is_empty() {
+        return None;
+    }
+    Some(
+        Table::new()
+            .floats("r_lo", sectors.iter().map(|s| s.r[0]))
+            .floats("r", sectors.iter().map(|s| s.r[1]))
+            .floats("r_hi", sectors.iter().map(|s| s.r[2]))
+            .floats("theta_lo", sectors.iter().map(|s| s.theta[0]))
+            .floats("theta", sectors.iter().map(|s| s.theta[1]))
+            .floats("theta_hi", sectors.iter().map(|s| s.theta[2]))
+            .integers("cells", sectors.iter().map(|s| s.cells))
+            .integers("count", sectors.iter().map(|s| s.count))
+            .optional("g", sectors.iter().map(|s| s.g))
+            .optional("g_se", sectors.iter().map(|s| s.g_se)),
+    )
+}
+
 /// `spectrum_radial.csv`: nu in cycles per unit length, P dimensionless, anisotropy in dB.
 pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
     let radial = analysis.radial.as_ref()?;

@@ -1,9 +1,9 @@
 //! Shared by the tests: inputs, and comparators that `comparison_can_fail.rs` proves able to fail.
 #![allow(dead_code, reason = "every test file uses its own part")]
 
-use pairwave::accumulate::{PairCounts, WavePower};
+use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
 use pairwave::compute::{Compute, Control, reference::Reference};
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// SplitMix64: enough randomness for inputs, the same on every platform.
@@ -114,6 +114,12 @@ pub fn pair_plan(ensemble: &Ensemble, bins: RadialBins, correction: Correction) 
     PairPlan::new(ensemble.domain(), bins, correction, shape(ensemble)).unwrap()
 }
 
+/// A lag plan for an ensemble, with the default rings.
+pub fn lag_plan(ensemble: &Ensemble, bins: usize, lag_max: Option<f64>, correction: Correction) -> LagPlan {
+    let grid = LagGrid::new(ensemble.domain(), bins, lag_max).unwrap();
+    LagPlan::new(ensemble.domain(), grid, correction, None, shape(ensemble)).unwrap()
+}
+
 /// A wave plan for an ensemble.
 pub fn wave_plan(ensemble: &Ensemble, max_frequency: &[u32], accuracy: Accuracy) -> WavePlan {
     WavePlan::new(ensemble.domain(), WaveGrid::new(max_frequency).unwrap(), accuracy, shape(ensemble)).unwrap()
@@ -191,6 +197,87 @@ pub fn pair_cases(size: usize) -> Vec<PairCase> {
         add("window", &window, &[uniform(dim, size, 9), lattice(dim, k)], linear(1.5, 60));
     }
     cases
+}
+
+/// A named case of counting by lags.
+pub struct LagCase {
+    pub name: String,
+    pub ensemble: Ensemble,
+    pub plan: LagPlan,
+}
+
+/// The table of lag-counting cases every backend must count exactly: every kind of input, grid and domain, lags on edges
+/// and of half a period, in 1, 2 and 3 dimensions. `size` scales the point counts.
+pub fn lag_cases(size: usize) -> Vec<LagCase> {
+    let mut cases = Vec::new();
+    let mut add = |name: &str, domain: &Domain, sets: &[RawPoints], bins: usize, lag_max: Option<f64>| {
+        let ensemble = ensemble_in(domain, sets);
+        let plan = lag_plan(&ensemble, bins, lag_max, Correction::None);
+        cases.push(LagCase { name: format!("{name}, {bins} bins, {}D", domain.dim()), ensemble, plan });
+    };
+    for dim in 1..=3 {
+        let unit = Domain::unit_torus(dim);
+        let k = (size as f64).powf(1.0 / dim as f64).round() as usize;
+        for bins in [1, 2, 7, 16, 25] {
+            add("uniform", &unit, &[uniform(dim, size, 1)], bins, None);
+            add("uniform, short range", &unit, &[uniform(dim, size, 2)], bins, Some(0.07));
+            add("dyadic lattice, lags on edges", &unit, &[lattice(dim, 8)], bins, None);
+            add("dyadic lattice, lags on the last edge", &unit, &[lattice(dim, 8)], bins, Some(0.25));
+        }
+        add("lattice", &unit, &[lattice(dim, k), clustered(dim, size / 2, 3)], k.clamp(2, 60), None);
+        add("coincident", &unit, &[coincident(dim, size.min(200))], 6, None);
+        add("n = 0, 1, 2, 3 and more", &unit, &[0, 1, 2, 3, 40, 7].map(|n| uniform(dim, n, 40 + n as u64)), 9, None);
+        let close = raw(dim, [vec![0.5; dim], vec![0.5 + 1e-9; dim], vec![0.5 - 3e-9; dim], vec![0.0; dim]].concat());
+        for h in [1e-8, 1e-9, 1e-12, 2f64.powi(-66), 1e-300] {
+            add("hopeless for f32", &unit, &[close.clone(), clustered(dim, size / 4, 4)], 12, Some(h));
+        }
+        let torus = Domain::torus(&[2.5, 1.0, 0.7][..dim]).unwrap();
+        for (bins, lag_max) in [(10, None), (11, None), (8, Some(0.35)), (8, Some(0.349_999_999_9)), (5, Some(0.1))] {
+            add("unequal sides", &torus, &[uniform(dim, size / 2, 7), lattice(dim, 8)], bins, lag_max);
+        }
+        let ranges: Vec<(f64, f64)> = (0..dim).map(|a| (-1.0 - a as f64, 2.0 + a as f64)).collect();
+        let window = Domain::window(&ranges).unwrap();
+        // The lattice has points on both ends of the closed sides.
+        let closed = raw(dim, lattice(dim, 5).coordinates.iter().map(|x| x * 5.0 / 4.0).collect());
+        for (bins, lag_max) in [(8, None), (9, None), (6, Some(1.5)), (5, Some(3.0))] {
+            add("window", &window, &[uniform(dim, size / 2, 9), closed.clone()], bins, lag_max);
+        }
+    }
+    add("narrow torus", &Domain::torus(&[1.0, 1e-5]).unwrap(), &[uniform(2, size, 1), lattice(2, 8)], 12, None);
+    add("a third", &Domain::torus(&[1.0, 1.0 / 3.0]).unwrap(), &[uniform(2, size, 1), lattice(2, 9)], 18, None);
+    add("many bins", &Domain::unit_torus(1), &[uniform(1, size, 2), lattice(1, 64)], 65_536, None);
+    add("many cells", &Domain::unit_torus(2), &[uniform(2, size, 2), lattice(2, 8)], 200, None);
+    cases
+}
+
+/// The reference's lag counts for a plan.
+pub fn reference_lags(plan: &LagPlan, ensemble: &Ensemble) -> LagCounts {
+    Reference.lag_counts(plan, ensemble, &Control::default()).unwrap()
+}
+
+/// Equal integers from different hands, or what differs.
+pub fn lags_agree(a: &LagCounts, b: &LagCounts) -> Result<(), String> {
+    if a.computed_by.backends == b.computed_by.backends {
+        return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
+    }
+    if a.realizations != b.realizations || a.cells.norms != b.cells.norms {
+        return Err(format!("different realizations: {} and {}", a.realizations, b.realizations));
+    }
+    let (x, y) = (&a.cells.sums, &b.cells.sums);
+    if let Some(cell) = (0..x.len().max(y.len())).find(|&k| x.get(k) != y.get(k)) {
+        return Err(format!("cell {cell}: {:?} against {:?} pairs", x.get(cell), y.get(cell)));
+    }
+    if a.cells != b.cells || a.sectors != b.sectors {
+        return Err("the moments or the sectors differ".into());
+    }
+    Ok(())
+}
+
+/// Asserts `lags_agree`.
+pub fn assert_lags_equal(name: &str, a: &LagCounts, b: &LagCounts) {
+    if let Err(why) = lags_agree(a, b) {
+        panic!("{name}: {why}");
+    }
 }
 
 /// The reference's counts for a plan.

@@ -3,6 +3,8 @@
 //! and every f64 is made by the same additions in the same order.
 
 mod kernel_sums;
+mod lag_bins;
+mod lag_counts;
 mod pair_bins;
 mod pair_counts;
 mod pair_weights;
@@ -14,9 +16,9 @@ mod wave_power;
 pub use simd::{SimdLevel, fma_gflop};
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{KernelSums, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, PairPlan, WavePlan};
+use crate::plan::{KernelPlan, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// More threads than this are a typing error.
@@ -89,6 +91,10 @@ impl Compute for Cpu {
 
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         pair_counts::pair_counts(self, plan, ensemble, control)
+    }
+
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        lag_counts::lag_counts(self, plan, ensemble, control)
     }
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {

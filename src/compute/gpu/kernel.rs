@@ -33,6 +33,7 @@ shader_files! {
     HISTOGRAM_WORKGROUP = "shared/histogram_workgroup.wgsl";
     HISTOGRAM_GLOBAL = "shared/histogram_global.wgsl";
     PAIR_COUNTS = "pair_counts.wgsl";
+    LAG_COUNTS = "lag_counts.wgsl";
     PHASE = "shared/phase.wgsl";
     TWO_FLOAT = "shared/two_float.wgsl";
     WAVE_TYPES = "shared/wave_types.wgsl";

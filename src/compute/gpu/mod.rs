@@ -6,6 +6,7 @@
 mod buffers;
 mod device;
 mod kernel;
+mod lag_counts;
 mod pair_counts;
 pub mod params;
 mod probe;
@@ -19,9 +20,9 @@ pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
 pub use probe::{Check, Verdict};
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{PairPlan, WaveGrid, WavePlan};
+use crate::plan::{LagPlan, PairPlan, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -134,6 +135,11 @@ pub fn pair_kernel(plan: &PairPlan, workgroup_bytes: u32) -> KernelSpec {
     pair_counts::spec(plan, workgroup_bytes)
 }
 
+/// The kernel that counts the pairs of a plan by their lag, on a device with `workgroup_bytes` of workgroup memory.
+pub fn lag_kernel(plan: &LagPlan, workgroup_bytes: u32) -> KernelSpec {
+    lag_counts::spec(plan, workgroup_bytes)
+}
+
 /// The kernels that compute the power on a grid.
 pub fn wave_kernels(grid: &WaveGrid) -> [KernelSpec; 2] {
     [wave_power::spec(grid), wave_power::fold_spec()]
@@ -157,8 +163,16 @@ impl Compute for GpuCompute {
         pair_counts::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
     }
 
+    fn supports_lag_counts(&self, plan: &LagPlan) -> Result<(), String> {
+        lag_counts::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    }
+
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         pair_counts::pair_counts(self, plan, ensemble, control)
+    }
+
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        lag_counts::lag_counts(self, plan, ensemble, control)
     }
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {

@@ -64,14 +64,14 @@ pub(super) fn spec(plan: &PairPlan, limit: u32) -> KernelSpec {
 
 /// Jobs submitted together, whose realizations have one histogram each.
 #[derive(Debug, Clone, PartialEq)]
-struct Dispatch {
-    realizations: Range<usize>,
-    jobs: Vec<PairJob>,
+pub(super) struct Dispatch {
+    pub(super) realizations: Range<usize>,
+    pub(super) jobs: Vec<PairJob>,
 }
 
 /// Cuts the pairs of realizations with `sizes` points into dispatches of at most `pairs` pairs (or one job, where that is
 /// more), `points` points, `bins_total` bins and `MAX_GROUPS` jobs.
-fn dispatches(sizes: &[usize], tile: u32, pairs: u64, points: usize, histograms: usize) -> Vec<Dispatch> {
+pub(super) fn dispatches(sizes: &[usize], tile: u32, pairs: u64, points: usize, histograms: usize) -> Vec<Dispatch> {
     let tiles = |n: usize| n.div_ceil(tile as usize) as u32;
     // Tile `a` meets tiles a, a + 1, .. a + t/2 (mod t). For even t the last of them meets it, too: half of them skip it.
     let steps = |t: u32, a: u32| if t.is_multiple_of(2) && a >= t / 2 { t / 2 } else { t / 2 + 1 };
@@ -150,7 +150,7 @@ pub(super) fn supports(plan: &PairPlan, binding_bytes: u64) -> Result<(), String
     fits(plan.shape.max_points, plan.domain.dim(), binding_bytes)
 }
 
-fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
+pub(super) fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
     let bytes = points.saturating_mul(8 * dim as u64);
     if bytes > binding_bytes || points > u64::from(u32::MAX) / 8 {
         return Err(format!("{points} points need {bytes} bytes in one buffer, the device has {binding_bytes}"));
@@ -261,7 +261,7 @@ pub(super) fn pair_counts(
 }
 
 /// The points of realizations `range`, axis by axis: rounded to 32 bits, and exact.
-fn upload_points(
+pub(super) fn upload_points(
     compute: &GpuCompute,
     ensemble: &Ensemble,
     range: &Range<usize>,

@@ -101,6 +101,44 @@ twins! {
         histogram: u32,
     }
 
+    /// See `shaders/lag_counts.wgsl`.
+    struct LagParams {
+        /// Periods in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
+        period_rounded: [u32; 4],
+        /// Lower half of the periods in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
+        period_low: [u32; 4],
+        /// Upper half.
+        period_high: [u32; 4],
+        /// Lower half of the first threshold of each axis, modulo 2^64.
+        first_low: [u32; 4],
+        /// Upper half.
+        first_high: [u32; 4],
+        /// Lower half of the last lag within the grid, counted from the first threshold.
+        last_low: [u32; 4],
+        /// Upper half.
+        last_high: [u32; 4],
+        /// `LagFilter`
+        scale: [f32; 4],
+        /// `LagFilter`
+        offset: [f32; 4],
+        /// `LagFilter`
+        low: [f32; 4],
+        /// `LagFilter`
+        high: [f32; 4],
+        /// `LagFilter`
+        guard: [f32; 4],
+        /// Cells from one bin of an axis to the next.
+        strides: [u32; 4],
+        /// Points in the buffers.
+        total_points: u32,
+        /// Padding.
+        reserved_0: u32,
+        /// Padding.
+        reserved_1: u32,
+        /// Padding.
+        reserved_2: u32,
+    }
+
     /// See `shaders/shared/wave_types.wgsl`: the tile of the grid at hand.
     struct WaveParams {
         /// First `m_0`.
@@ -203,6 +241,9 @@ pub const PAIR_TABLE: &[Binding] = &[
     bound(6, "cells", Access::Read),
     bound(7, "bounds", Access::Read),
 ];
+
+/// Bindings of `lag_counts`.
+pub const LAG_COUNTS: &[Binding] = PAIR_LINEAR;
 
 /// Bindings of `wave_power`.
 pub const WAVE_POWER: &[Binding] = &[

@@ -3,18 +3,18 @@
 mod kernel_sums;
 mod pair_counts;
 mod wave_power;
-
+use super::{Backend, Compute, ComputedBy, Control};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
+use crate::error::Result;
+use crate::plan::{KernelPlan, LagPlan, PairPlan, WavePlan};
 pub(crate) use pair_counts::MAX_ISOTROPIC;
 pub use pair_counts::{
     border_distance, depth, isotropic_weight, minimum_image, squared_distance, translation_weight, weighted_pair,
 };
 pub use wave_power::phase_turns;
-
-use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{KernelSums, PairCounts, WavePower};
-use crate::error::Result;
-use crate::plan::{KernelPlan, PairPlan, WavePlan};
+mod lag_counts;
 use crate::points::Ensemble;
+pub use lag_counts::{canonical_lag, lag_cell};
 
 /// The reference implementation.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,6 +29,14 @@ impl Compute for Reference {
         let mut sums = PairCounts::new(self.computed_by(), plan);
         for k in 0..ensemble.realizations() {
             sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.masses(k), control)?);
+        }
+        Ok(sums)
+    }
+
+    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
+        let mut sums = LagCounts::new(self.computed_by(), plan);
+        for k in 0..ensemble.realizations() {
+            sums.add(plan, &lag_counts::lag_counts(plan, &ensemble.lengths(k), control)?);
         }
         Ok(sums)
     }

@@ -1,0 +1,51 @@
+//! A diverging colour map: blue, white, red, with lightness even on both sides and told apart by colour-blind readers.
+//! Moreland, "Diverging Color Maps for Scientific Visualization", ISVC 2009: linear in a polar form of CIELAB (M: length,
+//! s: angle from the grey axis, h: hue), from his blue over his white to his red.
+
+/// Ends of the map, (M, s, h).
+const BLUE: [f64; 3] = [80.0, 1.08, -1.1];
+const RED: [f64; 3] = [80.0, 1.08, 0.5];
+/// M of the white in the middle.
+const WHITE: f64 = 88.0;
+
+/// The colour at `x` in [0, 1], as 8-bit sRGB; 1/2 is white, NaN too.
+pub(super) fn diverging(x: f64) -> [u8; 3] {
+    let x = if x.is_nan() { 0.5 } else { x.clamp(0.0, 1.0) };
+    let end = if x < 0.5 { BLUE } else { RED };
+    // On the way to white the hue turns, so that the path stays even.
+    let spin = end[1] * (WHITE * WHITE - end[0] * end[0]).sqrt() / (end[0] * end[1].sin());
+    let white = [WHITE, 0.0, end[2] + spin.copysign(end[2])];
+    let t = (2.0 * x - 1.0).abs();
+    let [m, s, h]: [f64; 3] = std::array::from_fn(|k| white[k] + t * (end[k] - white[k]));
+    srgb([m * s.cos(), m * s.sin() * h.cos(), m * s.sin() * h.sin()])
+}
+
+/// CIELAB (white point D65) to 8-bit sRGB (IEC 61966-2-1).
+fn srgb([l, a, b]: [f64; 3]) -> [u8; 3] {
+    let y = (l + 16.0) / 116.0;
+    let linear = |t: f64| if t > 6.0 / 29.0 { t.powi(3) } else { 3.0 * (6f64 / 29.0).powi(2) * (t - 4.0 / 29.0) };
+    let [x, y, z] = [0.95047 * linear(y + a / 500.0), linear(y), 1.08883 * linear(y - b / 200.0)];
+    let rgb = [
+        3.240_454_2 * x - 1.537_138_5 * y - 0.498_531_4 * z,
+        -0.969_266_0 * x + 1.876_010_8 * y + 0.041_556_0 * z,
+        0.055_643_4 * x - 0.204_025_9 * y + 1.057_225_2 * z,
+    ];
+    rgb.map(|v| {
+        let v = if v > 0.003_130_8 { 1.055 * v.powf(1.0 / 2.4) - 0.055 } else { 12.92 * v };
+        (255.0 * v.clamp(0.0, 1.0)).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_colours_are_those_of_the_paper() {
+        // Table of the paper: ends (59, 76, 192) and (180, 4, 38), middle (221, 221, 221).
+        for (x, expected) in [(0.0, [59, 76, 192]), (0.5, [221, 221, 221]), (1.0, [180, 4, 38])] {
+            let found = diverging(x);
+            assert!(found.iter().zip(expected).all(|(&a, b): (&u8, u8)| a.abs_diff(b) <= 2), "{x}: {found:?}");
+        }
+    }
+}
