@@ -29,11 +29,9 @@ impl KernelCurve {
 
     /// Adds other pairs of the same realization.
     pub(crate) fn merge(&mut self, part: &Self) {
-        for (a, b) in [
-            (&mut self.sums, &part.sums),
-            (&mut self.squares, &part.squares),
-            (&mut self.bounds, &part.bounds),
-        ] {
+        for (a, b) in
+            [(&mut self.sums, &part.sums), (&mut self.squares, &part.squares), (&mut self.bounds, &part.bounds)]
+        {
             a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         }
         self.coincident += part.coincident;

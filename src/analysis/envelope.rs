@@ -66,7 +66,9 @@ pub(super) fn envelopes(
         let input = Input {
             subject: "simulation",
             realizations: observed.sizes.len() as u64,
-            batch: &|range| random(domain, u64::MAX - s, range.start, &observed.sizes[range.start as usize..range.end as usize]),
+            batch: &|range| {
+                random(domain, u64::MAX - s, range.start, &observed.sizes[range.start as usize..range.end as usize])
+            },
             normalization,
         };
         let measured = measure(&plan, &input, device, control, &mut Clock::default(), &mut |_, _| ())?;

@@ -62,9 +62,8 @@ pub(super) fn measure<'a>(
     let mut cross_validation = None;
     if let (Some(search), Some(kernel)) = (&plan.search, &plan.kernel) {
         let counts = search_counts(search, &plan, input, device, control, clock, tell)?;
-        let found = clock.time("cross-validation", || {
-            CrossValidation::new(search, &counts, kernel.divisor, input.normalization)
-        });
+        let found = clock
+            .time("cross-validation", || CrossValidation::new(search, &counts, kernel.divisor, input.normalization));
         let kernel = kernel.with_bandwidth(found.bandwidth)?;
         plan = Cow::Owned(Plan { kernel: Some(kernel), ..plan.into_owned() });
         cross_validation = Some(found);

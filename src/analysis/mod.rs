@@ -8,8 +8,8 @@ mod sums;
 
 use std::time::Instant;
 
-use envelope::envelopes;
 pub use envelope::Envelopes;
+use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
 use plan::check_points;
@@ -180,7 +180,9 @@ pub fn run(
         ));
     }
     if let Some(coincident) = sums.kernel.as_ref().map(|k| k.coincident).filter(|&c| c > 0) {
-        warnings.push(format!("{coincident} ordered pairs at distance 0 are left out of g_kernel: divisor d would divide by 0"));
+        warnings.push(format!(
+            "{coincident} ordered pairs at distance 0 are left out of g_kernel: divisor d would divide by 0"
+        ));
     }
     if let Some(found) = kernel.as_ref().and_then(|k| k.cross_validation).filter(|f| f.at_end) {
         let ([lo, hi], b) = (found.range, found.bandwidth);

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::error::{Error, Result, number};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, PairPlan, RadialBins, WaveGrid,
-    WavePlan,
+    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, PairPlan, RadialBins,
+    WaveGrid, WavePlan,
 };
 use crate::points::Domain;
 use crate::points::read::read_edges;

@@ -42,8 +42,7 @@ impl CrossValidation {
     pub fn new(search: &BandwidthSearch, counts: &PairCounts, divisor: Divisor, normalization: Normalization) -> Self {
         let score = |b: f64| Self::score(search, counts, divisor, normalization, b);
         let [lo, hi] = search.range;
-        let tried: Vec<f64> =
-            (0..TRIED).map(|k| lo * (hi / lo).powf(k as f64 / (TRIED - 1) as f64)).collect();
+        let tried: Vec<f64> = (0..TRIED).map(|k| lo * (hi / lo).powf(k as f64 / (TRIED - 1) as f64)).collect();
         let scores: Vec<f64> = tried.iter().map(|&b| score(b)).collect();
         let best = (0..TRIED).min_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);
         let (mut bandwidth, mut least) = (tried[best], scores[best]);
@@ -102,7 +101,8 @@ impl CrossValidation {
             let g = density * leaving[b] * sum;
             let (weight, count) = (counts.sum(b), counts.counts[b] as f64);
             // A pair sees itself, in both orders: count / 2 pairs, each of twice the mean weight.
-            let own = if count > 0.0 { density * kernel.peak() / surface(b) * 2.0 * weight * weight / count } else { 0.0 };
+            let own =
+                if count > 0.0 { density * kernel.peak() / surface(b) * 2.0 * weight * weight / count } else { 0.0 };
             g * g * surface(b) * width - 2.0 * density * (weight * g - own)
         };
         let inside: Vec<f64> =

@@ -146,7 +146,10 @@ impl fmt::Display for KernelPlan {
                 writeln!(f, "  direct sum in f64 on the CPU: {looked:.3e} pairs looked at, {values:.3e} kernel values")
             }
             KernelRoad::Binned => {
-                writeln!(f, "  from exact counts in fine bins, realization by realization (--exact-kernel: direct sum):")?;
+                writeln!(
+                    f,
+                    "  from exact counts in fine bins, realization by realization (--exact-kernel: direct sum):"
+                )?;
                 write!(f, "{}", self.pairs)
             }
         }

@@ -288,7 +288,8 @@ fn envelope(a: &Analysis) -> String {
         human(e.pointwise_significance())
     );
     for c in &e.curves {
-        let ([lo, hi], name) = (c.p_interval, if c.observed.name == "g" { "<i>g</i>" } else { "the smoothed <i>g</i>" });
+        let ([lo, hi], name) =
+            (c.p_interval, if c.observed.name == "g" { "<i>g</i>" } else { "the smoothed <i>g</i>" });
         let verdict = if c.p <= c.alpha { "differs from" } else { "agrees with" };
         let _ = write!(
             text,

@@ -65,9 +65,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let top = y.end;
 
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
-    let mut layers = vec![
-        Layer::Level { name: "g = 1".into(), y: 1.0 },
-    ];
+    let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let envelope = analysis.envelopes.as_ref().and_then(|e| e.find("g"));
     if let Some(e) = envelope {
         let band = e.global[0].iter().zip(&e.global[1]).map(|(&lo, &hi)| lo.is_finite().then_some((lo, hi)));
@@ -102,7 +100,8 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     };
     let below = if log_y && pcf.g.iter().any(|&g| g < y.start) { " · g near 0 lies below the frame" } else { "" };
     let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
-    let random = envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
+    let random =
+        envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
     let figure = Figure {
         title: "Pair correlation function g(r)",
         subject: analysis.subject.clone(),

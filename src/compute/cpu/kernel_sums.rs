@@ -41,7 +41,8 @@ pub(super) fn kernel_sums(cpu: &Cpu, plan: &KernelPlan, ensemble: &Ensemble, con
             tasks.extend((0..blocks(end)).map(|block| (end, block)));
             end += 1;
         }
-        let sets: Vec<Set> = cpu.pool.install(|| (first..end).into_par_iter().map(|k| Set::new(plan, ensemble, k)).collect());
+        let sets: Vec<Set> =
+            cpu.pool.install(|| (first..end).into_par_iter().map(|k| Set::new(plan, ensemble, k)).collect());
         for tasks in tasks.chunks(group) {
             let work = |&(k, block): &(usize, usize)| {
                 control.check()?;
@@ -150,7 +151,8 @@ impl Spread {
             let after = (i + 1..set.n).take_while(|&j| along[j] - along[i] < limit);
             // On around the torus: the longest axis wraps at 2^64.
             let wraps = plan.pairs.domain.is_torus();
-            let around = (0..i).take_while(|&j| wraps && along[j] < along[i] && along[j].wrapping_sub(along[i]) < limit);
+            let around =
+                (0..i).take_while(|&j| wraps && along[j] < along[i] && along[j].wrapping_sub(along[i]) < limit);
             for j in after.chain(around) {
                 if let Some(r2) = squared_distance(i, j) {
                     self.pair(plan, (r2 as f64).sqrt() * self.step, weight(i, j), &mut curve);
@@ -173,10 +175,8 @@ impl Spread {
             height /= surface;
         }
         let within = self.within(&plan.r, d);
-        let targets = plan.r[within.clone()]
-            .iter()
-            .zip(&mut curve.sums[within.clone()])
-            .zip(&mut curve.squares[within]);
+        let targets =
+            plan.r[within.clone()].iter().zip(&mut curve.sums[within.clone()]).zip(&mut curve.squares[within]);
         macro_rules! add {
             ($value:expr) => {
                 for ((&r, sum), squares) in targets {
