@@ -190,6 +190,108 @@ fn many_small_realizations_stay_within_memory() {
     }
 }
 
+/// Kernel estimates summed by an independent program in float64, on cpu and gpu, at r chosen by the edges of bins.
+#[test]
+fn kernel_estimates_of_an_independent_program() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let expected = csv(&data.join("swedishpines_pcf.csv"));
+    let r: Vec<f64> = column(&expected, "r");
+    let scratch = Scratch::new();
+    std::fs::copy(data.join("swedishpines.csv"), scratch.path("pines.csv")).unwrap();
+    // Bins centred on multiples of r / 8: every eighth is in the table.
+    let step = r[0] / 8.0;
+    let edges: Vec<String> = (0..=256).map(|k| (step * (f64::from(k) + 0.5)).to_string()).collect();
+    scratch.file("edges.txt", &edges.join("\n"));
+    let gpu = if common::gpu_tests_skipped("kernel estimates of an independent program") { None } else { Some("gpu") };
+    for device in ["cpu", "reference"].into_iter().chain(gpu) {
+        for kernel in ["epanechnikov", "gaussian"] {
+            for (name, flags) in [
+                ("trans", ""),
+                ("trans_divisor_d", "--divisor d --exact-kernel"),
+                ("un", "--correction none --divisor r"),
+            ] {
+                let window = "--window 0,96,0,100 --stats pcf --edges edges.txt --force --out out";
+                scratch.ok(&format!(
+                    "analyze pines.csv {window} --device {device} --kernel {kernel} --bandwidth 0.78 {flags}"
+                ));
+                let table = csv(&scratch.path("out/pcf.csv"));
+                let (at, g): (Vec<f64>, Vec<f64>) = (column(&table, "r"), column(&table, "g_kernel"));
+                let truth: Vec<f64> = column(&expected, &format!("{kernel}_{name}"));
+                let scale = truth.iter().fold(1.0, |m: f64, &g| m.max(g));
+                for (k, (r, g0)) in r.iter().zip(&truth).enumerate() {
+                    assert!((at[8 * k + 7] - r).abs() < 1e-12 * r);
+                    let error = (g[8 * k + 7] - g0).abs() / scale;
+                    assert!(error < 1e-9, "{device}, {kernel}_{name} at {r}: off by {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bandwidths_and_roads_reach_the_summary() {
+    let scratch = Scratch::new();
+    let thomas = "analyze --sampler thomas -n 150 -k 3 --stats pcf --bins 40 --device cpu --kernel epanechnikov";
+    let plan = scratch.ok(&format!("{thomas} --bandwidth lscv --envelope 9 --explain"));
+    for fact in ["cross-validation", "direct sum", "kernel values", "envelope: 9 simulations"] {
+        assert!(plan.contains(fact), "{fact} is missing from\n{plan}");
+    }
+    let huge = "analyze --sampler random -n 3000000 --stats pcf --device cpu --kernel gaussian --explain";
+    assert!(scratch.ok(huge).contains("fine bins"));
+    assert!(scratch.ok(&format!("{huge} --exact-kernel")).contains("direct sum in f64"));
+
+    scratch.ok(&format!("{thomas} --bandwidth lscv --out lscv"));
+    let json = summary(&scratch.path("lscv"));
+    let kernel = &json["pair_correlation"]["kernel"];
+    assert_eq!(json["parameters"]["bandwidth"], "lscv");
+    assert_eq!((kernel["road"].as_str(), kernel["errors"].as_str()), (Some("direct"), Some("across-realizations")));
+    let found = &kernel["cross_validation"];
+    assert_eq!(found["bandwidth"], kernel["bandwidth"]);
+    let (b, lo, hi) = (&found["bandwidth"], &found["range"][0], &found["range"][1]);
+    assert!(lo.as_f64() <= b.as_f64() && b.as_f64() <= hi.as_f64() && found["score"].is_f64(), "{found}");
+
+    scratch.ok(&format!("{thomas} --bandwidth 0.02 --out given"));
+    let json = summary(&scratch.path("given"));
+    assert_eq!(
+        (&json["parameters"]["bandwidth"], &json["pair_correlation"]["kernel"]["bandwidth"]),
+        (&"0.02".into(), &0.02.into())
+    );
+    assert!(json["pair_correlation"]["kernel"]["cross_validation"].is_null());
+}
+
+#[test]
+fn envelopes_tell_random_from_jittered() {
+    let scratch = Scratch::new();
+    let p = |dir: &str, curve: usize| summary(&scratch.path(dir))["envelope"]["curves"][curve]["p"].as_f64().unwrap();
+    let flags = "--stats pcf --bins 40 --device cpu --kernel epanechnikov --envelope 39";
+    scratch.ok(&format!("analyze --sampler random -n 64 -k 2 --seed 5 {flags} --out random"));
+    scratch.ok(&format!("analyze --sampler jittered -n 64 -k 2 --seed 5 {flags} --out jittered"));
+    for curve in [0, 1] {
+        assert_eq!(p("jittered", curve), 1.0 / 40.0, "the smallest there is");
+        assert!(p("random", curve) > 0.05);
+    }
+    let table = csv(&scratch.path("random/envelope.csv"));
+    assert_eq!(table.0, "curve,r,observed,lo,hi,global_lo,global_hi");
+    assert_eq!(table.1.len(), 80, "g and g_kernel in 40 bins");
+    let [lo, g, hi] = ["global_lo", "observed", "global_hi"].map(|name| {
+        let k = table.0.split(',').position(|h| h == name).unwrap();
+        table.1[..40].iter().map(|row| row[k].parse::<f64>().unwrap()).collect::<Vec<_>>()
+    });
+    assert!((0..40).all(|k| lo[k] <= g[k] && g[k] <= hi[k]), "inside, as p says");
+    let page = std::fs::read_to_string(scratch.path("jittered/report.html")).unwrap();
+    assert!(page.contains("differs from randomness at the 5 % level"));
+
+    // A window, points in number drawn, and the same simulations every time.
+    let points: Vec<String> =
+        (0..50).map(|i| format!("{},{}", 7 + (i * 13) % 50, -2.0 + f64::from(i) / 50.0)).collect();
+    scratch.file("window.csv", &points.join("\n"));
+    for out in ["a", "b"] {
+        scratch.ok(&format!("analyze window.csv --window 7,57,-2,-1 --r-max 0.5 {flags} --out {out}"));
+    }
+    let text = |dir: &str| std::fs::read_to_string(scratch.path(dir).join("envelope.csv")).unwrap();
+    assert_eq!(text("a"), text("b"));
+}
+
 #[test]
 fn explain_prints_the_plan_and_computes_nothing() {
     let scratch = Scratch::new();
@@ -293,6 +395,18 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--bandwidth 0: expected more than 0 and less than the shortest side (1)",
         ),
+        (
+            "analyze ok.csv --kernel box --bandwidth NaN",
+            2,
+            "--bandwidth NaN: expected more than 0 and less than the shortest side (1)",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --kernel box --correction border",
+            2,
+            "--correction border: a kernel estimate needs one weight per pair; expected translation or none",
+        ),
+        ("analyze ok.csv --envelope 0", 2, "--envelope 0: expected 1 to 524287 simulations of 256 bins"),
+        ("analyze ok.csv --stats spectrum --envelope 9", 2, "--envelope 9: needs pcf among --stats"),
         (
             "analyze ok.csv --kernel box --bandwidth 2",
             2,

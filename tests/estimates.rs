@@ -4,13 +4,17 @@ mod common;
 
 use common::*;
 use pairwave::accumulate::{PairCounts, PairHistogram, WavePower};
-use pairwave::compute::{Backend, ComputedBy};
+use pairwave::compute::{Backend, Compute, ComputedBy, Control, binned_kernel_sums, cpu::Cpu, reference::Reference};
 use pairwave::estimate::{
-    Bandwidth, ErrorSource, Kernel, KernelEstimate, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    SmoothingKernel,
+    CrossValidation, Curve, Envelope, ErrorSource, KernelEstimate, Normalization, PairCorrelation, PowerSpectrum,
+    RadialSpectrum,
 };
-use pairwave::plan::{Accuracy, BinScale, Correction, RadialBins, Rings, WaveGrid};
+use pairwave::plan::{
+    Accuracy, Bandwidth, BandwidthSearch, BinScale, Correction, Divisor, EnsembleShape, Kernel, KernelPlan, KernelRoad,
+    RadialBins, Rings, SmoothingKernel, WaveGrid,
+};
 use pairwave::points::{Domain, Ensemble, RawPoints};
+use pairwave::samplers::{ParameterValues, find};
 
 fn tag() -> ComputedBy {
     ComputedBy::new(Backend::Reference, "by hand")
@@ -188,19 +192,16 @@ fn rings_of_unequal_sides_are_whole() {
     assert_eq!(WaveGrid::default_max_frequency(1000.0, &Domain::unit_torus(3)), [50, 50, 50]);
 }
 
-/// The kernel sum over all pairs, by the formula.
-fn exact_kernel_sum(points: &RawPoints, domain: &Domain, shape: SmoothingKernel, bw: f64, r: f64) -> f64 {
-    let n = points.len();
-    let sides = domain.sides();
+/// g at `r` from the kernel sum over all pairs, by the formula, on f64 coordinates.
+fn exact_kernel_sum(points: &RawPoints, domain: &Domain, kernel: Kernel, divisor: Divisor, r: f64) -> f64 {
+    let (n, dim, sides, bw) = (points.len(), domain.dim(), domain.sides(), kernel.bandwidth);
+    let surface = |r: f64| [2.0, std::f64::consts::TAU * r, 2.0 * std::f64::consts::TAU * r * r][dim - 1];
     let mut sum = 0.0;
     for i in 0..n {
-        for j in 0..n {
-            if i == j {
-                continue;
-            }
+        for j in (0..n).filter(|&j| j != i) {
             let (mut d2, mut weight) = (0.0, 1.0);
             for (a, side) in sides.iter().enumerate() {
-                let mut d = (points.coordinates[2 * i + a] - points.coordinates[2 * j + a]).abs();
+                let mut d = (points.coordinates[dim * i + a] - points.coordinates[dim * j + a]).abs();
                 if domain.is_torus() {
                     d = d.min(side - d);
                 } else {
@@ -209,7 +210,7 @@ fn exact_kernel_sum(points: &RawPoints, domain: &Domain, shape: SmoothingKernel,
                 d2 += d * d;
             }
             let x = (r - d2.sqrt()) / bw;
-            let k = match shape {
+            let k = match kernel.shape {
                 SmoothingKernel::Epanechnikov => 0.75 / 5f64.sqrt() * (1.0 - x * x / 5.0).max(0.0),
                 SmoothingKernel::Gaussian => (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt(),
                 SmoothingKernel::Box => {
@@ -220,44 +221,376 @@ fn exact_kernel_sum(points: &RawPoints, domain: &Domain, shape: SmoothingKernel,
                     }
                 }
             };
-            sum += weight * k / bw;
+            sum += weight * k / bw / if divisor == Divisor::D { surface(d2.sqrt()) } else { surface(r) };
         }
     }
-    domain.measure() * sum / (std::f64::consts::TAU * r * (n * (n - 1)) as f64)
+    domain.measure() * sum / (n * (n - 1)) as f64
+}
+
+const SHAPES: [SmoothingKernel; 3] = [SmoothingKernel::Epanechnikov, SmoothingKernel::Gaussian, SmoothingKernel::Box];
+
+/// Domains with their edge correction.
+fn kernel_domains(dim: usize) -> [(Domain, Correction); 2] {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 2.0), (0.0, 1.5)][..dim]).unwrap();
+    [(Domain::torus(&[1.0, 0.8, 0.9][..dim]).unwrap(), Correction::None), (window, Correction::Translation)]
+}
+
+fn stretched(points: RawPoints, domain: &Domain) -> RawPoints {
+    let dim = domain.dim();
+    raw(dim, points.coordinates.iter().enumerate().map(|(i, x)| x * domain.sides()[i % dim]).collect())
+}
+
+/// A kernel plan for an ensemble; `mean_points` decides the road.
+fn kernel_plan(
+    e: &Ensemble,
+    kernel: Kernel,
+    divisor: Divisor,
+    r: &[f64],
+    correction: Correction,
+    n: f64,
+) -> KernelPlan {
+    let shape = EnsembleShape { mean_points: n, ..shape(e) };
+    KernelPlan::new(kernel, divisor, r.to_vec(), false, e.domain(), correction, shape).unwrap()
+}
+
+fn cpu() -> Cpu {
+    Cpu::new(Some(2)).unwrap()
+}
+
+fn direct(device: &dyn Compute, plan: &KernelPlan, e: &Ensemble) -> KernelEstimate {
+    assert_eq!(plan.road, KernelRoad::Direct);
+    let sums = device.kernel_sums(plan, e, &Control::default()).unwrap().unwrap();
+    KernelEstimate::new(plan, &sums, Normalization::Pairs)
+}
+
+/// The largest difference of two estimates, in units of max(1, max g); both are defined at the same r.
+fn apart(a: &KernelEstimate, b: &[Option<f64>]) -> f64 {
+    let scale = b.iter().flatten().fold(1.0, |m: f64, &g| m.max(g));
+    assert!(a.g.iter().zip(b).all(|(a, b)| a.is_some() == b.is_some()));
+    let differences = a.g.iter().zip(b).filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs()));
+    // Written so that NaN is seen.
+    differences.fold(0.0, |w: f64, d| if d <= w { w } else { d }) / scale
 }
 
 #[test]
-fn kernel_estimates_are_the_exact_sums() {
-    let window = Domain::window(&[(0.0, 1.0), (0.0, 2.0)]).unwrap();
-    for (domain, correction) in [(Domain::unit_torus(2), Correction::None), (window, Correction::Translation)] {
-        let mut points = uniform(2, 400, 77);
-        points.coordinates.iter_mut().enumerate().for_each(|(i, x)| *x *= domain.sides()[i % 2]);
-        let e = Ensemble::from_raw(&[points.clone()], &domain, false, 0).unwrap();
-        for shape in [SmoothingKernel::Epanechnikov, SmoothingKernel::Gaussian, SmoothingKernel::Box] {
-            let kernel = Kernel::new(shape, Some(Bandwidth::Given(0.01)), &domain, 400.0).unwrap();
-            let plan = pair_plan(&e, kernel.fine_bins(0.3, &domain).unwrap(), correction);
-            assert_eq!(plan.bins.scale(), BinScale::Linear);
-            let r: Vec<f64> = (0..=60).map(|i| f64::from(i) * 0.005).collect();
-            let g = KernelEstimate::new(kernel, &r, &plan, &reference_counts(&plan, &e), Normalization::Pairs);
-            assert_eq!(g.g[0], None, "r = 0 is undefined");
-            let exact: Vec<f64> = r[1..].iter().map(|&r| exact_kernel_sum(&points, &domain, shape, 0.01, r)).collect();
-            let scale = exact.iter().fold(1.0, |a: f64, &b| a.max(b));
-            let worst =
-                r[1..].iter().zip(&exact).zip(&g.g[1..]).fold(0.0, |w: f64, ((_, e), g)| w.max((g.unwrap() - e).abs()));
-            println!("{shape:?}, {:?}: worst {worst:.1e}, largest g {scale:.2}", domain.boundary());
-            // The box kernel jumps: a pair at a jump is in or out.
-            let bound = if shape == SmoothingKernel::Box { 5e-2 } else { 1e-5 };
-            assert!(worst <= bound * scale, "{shape:?}: off by {worst}");
+fn direct_kernel_sums_are_the_formula() {
+    for dim in 1..=3 {
+        for (domain, correction) in kernel_domains(dim) {
+            let points = stretched(uniform(dim, 150, 77), &domain);
+            let e = Ensemble::from_raw(std::slice::from_ref(&points), &domain, false, 0).unwrap();
+            let r: Vec<f64> = (1..=40).map(|i| f64::from(i) * 0.00741).collect();
+            for (shape, divisor) in SHAPES.into_iter().flat_map(|s| [(s, Divisor::R), (s, Divisor::D)]) {
+                let kernel = Kernel { shape, bandwidth: 0.012 };
+                let plan = kernel_plan(&e, kernel, divisor, &r, correction, 150.0);
+                let formula: Vec<_> =
+                    r.iter().map(|&r| Some(exact_kernel_sum(&points, &domain, kernel, divisor, r))).collect();
+                for device in [&Reference as &dyn Compute, &cpu()] {
+                    let g = direct(device, &plan, &e);
+                    let worst = apart(&g, &formula);
+                    assert!(worst < 1e-9, "{dim}D {shape:?} {divisor:?} {:?}: {worst:e}", domain.boundary());
+                    assert_eq!((g.bound, g.errors), (0.0, ErrorSource::Theory));
+                }
+            }
         }
     }
+}
+
+/// Sizes around blocks, several realizations, r that are not evenly spaced, and every number of threads.
+#[test]
+fn the_fast_direct_sum_is_the_reference() {
+    for (dim, divisor) in [(1, Divisor::R), (2, Divisor::D), (2, Divisor::R), (3, Divisor::R)] {
+        for (domain, correction) in kernel_domains(dim) {
+            let sets = [0, 1, 2, 31, 32, 33, 700].map(|n| uniform(dim, n, n as u64));
+            let sets = sets.into_iter().chain([clustered(dim, 300, 4), lattice(dim, 7)]);
+            let e = ensemble_in(&domain, &sets.collect::<Vec<_>>());
+            let kernel = Kernel { shape: SmoothingKernel::Gaussian, bandwidth: 0.011 };
+            for r in [RadialBins::linear(0.3, 50).unwrap(), RadialBins::logarithmic(1e-3, 0.5, 30).unwrap()] {
+                let plan = kernel_plan(&e, kernel, divisor, &r.centres(), correction, 100.0);
+                let truth = direct(&Reference, &plan, &e);
+                let fast = direct(&cpu(), &plan, &e);
+                assert!(apart(&fast, &truth.g) < 1e-13 && truth.errors == ErrorSource::AcrossRealizations);
+                let scale = truth.g_se.iter().flatten().fold(0.0, |m: f64, &s| m.max(s));
+                for (a, b) in fast.g_se.iter().zip(&truth.g_se) {
+                    assert!((a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() <= 1e-7 * scale, "{a:?} against {b:?}");
+                }
+                let sums = |threads, e: &Ensemble| {
+                    Cpu::new(Some(threads)).unwrap().kernel_sums(&plan, e, &Control::default()).unwrap().unwrap()
+                };
+                let (one, three) = (sums(1, &e), sums(3, &e));
+                assert_eq!(one.totals(), three.totals(), "bit for bit");
+                assert_eq!(one.coincident, three.coincident);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cut_batch_gives_the_same_kernel_sums() {
+    let sets: Vec<_> = (0..40).map(|i| uniform(2, 30 + i as usize, i)).collect();
+    let e = ensemble(&sets);
+    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
+    let plan = kernel_plan(&e, kernel, Divisor::R, &[0.1, 0.2, 0.3], Correction::None, 50.0);
+    let sums = |range: std::ops::Range<usize>| {
+        cpu().kernel_sums(&plan, &e.slice(range), &Control::default()).unwrap().unwrap()
+    };
+    let whole = sums(0..40);
+    let mut parts = sums(0..16);
+    parts.merge(sums(16..40)).unwrap();
+    assert_eq!(parts, whole);
+    assert!(parts.merge(sums(16..40)).is_err(), "the same realizations twice");
+}
+
+/// Fine bins are within their own bound of the direct sum, and the smooth kernels within 1e-5.
+#[test]
+fn binned_kernel_sums_keep_their_bound() {
+    for (domain, correction) in kernel_domains(2) {
+        let e = Ensemble::from_raw(&[stretched(uniform(2, 400, 77), &domain)], &domain, false, 0).unwrap();
+        let r: Vec<f64> = (0..=60).map(|i| f64::from(i) * 0.005).collect();
+        for shape in SHAPES {
+            let kernel = Kernel { shape, bandwidth: 0.01 };
+            let many = kernel_plan(&e, kernel, Divisor::R, &r, correction, 1e7);
+            assert_eq!((many.road, many.pairs.bins.scale()), (KernelRoad::Binned, BinScale::Linear));
+            let binned = binned_kernel_sums(&Reference, &many, &e, &Control::default()).unwrap();
+            let binned = KernelEstimate::new(&many, &binned, Normalization::Pairs);
+            let exact = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, correction, 400.0), &e);
+            assert_eq!(binned.g[0], None, "r = 0 is undefined");
+            let scale = exact.g.iter().flatten().fold(1.0, |m: f64, &g| m.max(g));
+            let worst = apart(&binned, &exact.g);
+            println!("{shape:?}, {:?}: off by {worst:.1e}, bound {:.1e}", domain.boundary(), binned.bound / scale);
+            assert!(0.0 < worst && worst <= binned.bound / scale, "{shape:?}: off by {worst:e}");
+            // The box kernel jumps: a pair at a jump is in or out.
+            assert!(binned.bound < if shape == SmoothingKernel::Box { 0.1 } else { 1e-2 } * scale);
+            assert!(worst <= if shape == SmoothingKernel::Box { 5e-2 } else { 1e-5 });
+            for (a, b) in binned.g_se.iter().zip(&exact.g_se) {
+                assert!((a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() <= 0.02 * scale, "{a:?} against {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_road_is_the_affordable_one() {
+    let e = ensemble(&[uniform(2, 9, 1)]);
+    let plan = |divisor, bandwidth, n, exact| {
+        let kernel = Kernel { shape: SmoothingKernel::Gaussian, bandwidth };
+        let shape = EnsembleShape { mean_points: n, max_points: n as u64, realizations: 1 };
+        KernelPlan::new(kernel, divisor, vec![0.1, 0.2], exact, e.domain(), Correction::None, shape).unwrap().road
+    };
+    assert_eq!(plan(Divisor::R, 0.01, 1e4, false), KernelRoad::Direct);
+    assert_eq!(plan(Divisor::R, 0.01, 1e7, false), KernelRoad::Binned);
+    assert_eq!(plan(Divisor::R, 0.01, 1e7, true), KernelRoad::Direct, "asked for");
+    assert_eq!(plan(Divisor::D, 0.01, 1e7, false), KernelRoad::Direct, "1 / S(d) is not even over a bin at 0");
+    assert_eq!(plan(Divisor::R, 1e-6, 1e7, false), KernelRoad::Direct, "bins would be too coarse");
+}
+
+#[test]
+fn kernel_errors_across_realizations() {
+    let sets: Vec<_> = (0..7).map(|i| uniform(2, 50, i)).collect();
+    let e = ensemble(&sets);
+    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
+    let plan = kernel_plan(&e, kernel, Divisor::R, &[0.05, 0.1, 0.3], Correction::None, 50.0);
+    let g = direct(&cpu(), &plan, &e);
+    let each: Vec<_> = (0..7).map(|k| direct(&cpu(), &plan, &e.slice(k..k + 1))).collect();
+    for k in 0..3 {
+        let values: Vec<f64> = each.iter().map(|one| one.g[k].unwrap()).collect();
+        let mean = values.iter().sum::<f64>() / 7.0;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 6.0;
+        assert!((g.g[k].unwrap() - mean).abs() < 1e-12);
+        assert!((g.g_se[k].unwrap() - (variance / 7.0).sqrt()).abs() < 1e-7 * mean);
+    }
+    // Theory, for one: the same order of magnitude as what is seen between seven.
+    let theory = each[0].g_se[2].unwrap() / 7f64.sqrt();
+    assert!((0.4..2.5).contains(&(theory / g.g_se[2].unwrap())), "{theory} against {:?}", g.g_se[2]);
 }
 
 #[test]
 fn a_kernel_that_reaches_past_half_the_box_is_undefined_there() {
     let e = ensemble(&[uniform(2, 100, 1)]);
-    let kernel = Kernel::new(SmoothingKernel::Box, Some(Bandwidth::Given(0.02)), e.domain(), 100.0).unwrap();
-    let plan = pair_plan(&e, kernel.fine_bins(0.5, e.domain()).unwrap(), Correction::None);
-    let sums = reference_counts(&plan, &e);
-    let g = KernelEstimate::new(kernel, &[0.4, 0.46, 0.47, 0.5], &plan, &sums, Normalization::Pairs);
+    let kernel = Kernel { shape: SmoothingKernel::Box, bandwidth: 0.02 };
+    let plan = kernel_plan(&e, kernel, Divisor::R, &[0.4, 0.46, 0.47, 0.5], Correction::None, 100.0);
+    let g = direct(&Reference, &plan, &e);
     assert_eq!(g.g.iter().map(Option::is_some).collect::<Vec<_>>(), [true, true, false, false]);
+}
+
+#[test]
+fn coincident_points_are_left_out_where_d_divides() {
+    let e = ensemble(&[raw(2, vec![0.25, 0.25, 0.25, 0.25, 0.3, 0.25])]);
+    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.04 };
+    for device in [&Reference as &dyn Compute, &cpu()] {
+        for (divisor, left_out) in [(Divisor::D, 2), (Divisor::R, 0)] {
+            let plan = kernel_plan(&e, kernel, divisor, &[0.01, 0.05], Correction::None, 3.0);
+            let sums = device.kernel_sums(&plan, &e, &Control::default()).unwrap().unwrap();
+            assert_eq!(sums.coincident, left_out, "ordered pairs");
+            assert!(KernelEstimate::new(&plan, &sums, Normalization::Pairs).g.iter().all(|g| g.unwrap().is_finite()));
+        }
+    }
+}
+
+#[test]
+fn rules_of_bandwidth() {
+    let domain = Domain::torus(&[2.0, 3.0]).unwrap();
+    let stoyan = Bandwidth::Stoyan.value(&domain, 24.0);
+    assert!((stoyan - 0.15 / 5f64.sqrt() * 0.5).abs() < 1e-15, "half-width 0.15 / sqrt(lambda), lambda = 4");
+    assert!((Bandwidth::Fiksel.value(&domain, 24.0) - 0.05).abs() < 1e-15);
+    let typed = |text: &str| serde_json::to_value(text.parse::<Bandwidth>().unwrap()).unwrap();
+    assert_eq!((typed("0.25"), typed("fiksel"), typed("lscv")), (0.25.into(), "fiksel".into(), "lscv".into()));
+}
+
+fn search(e: &Ensemble, shape_: SmoothingKernel, r: [f64; 2]) -> (BandwidthSearch, PairCounts) {
+    let search = BandwidthSearch::new(shape_, r, e.domain(), Correction::None, shape(e)).unwrap();
+    let counts = cpu().pair_counts(&search.pairs, e, &Control::default()).unwrap();
+    (search, counts)
+}
+
+/// Guan's score, pair by pair.
+fn brute_force_score(e: &Ensemble, kernel: Kernel, divisor: Divisor, [from, to]: [f64; 2]) -> f64 {
+    let surface = |r: f64| std::f64::consts::TAU * r;
+    let (mut distances, mut norm) = (Vec::new(), 0.0);
+    for k in 0..e.realizations() {
+        let (axes, n) = (e.fractions(k), e.points_in(k));
+        norm += (n * (n - 1)) as f64;
+        for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            let along = |x: &&[u64]| (x[i].wrapping_sub(x[j]) as i64 as f64 * 2f64.powi(-64)).powi(2);
+            distances.push(axes.iter().map(along).sum::<f64>().sqrt());
+        }
+    }
+    // Both orders of every pair but `without`.
+    let g = |r: f64, without: Option<usize>| {
+        let pairs = distances.iter().enumerate().filter(|(p, _)| Some(*p) != without);
+        let divided = |d: f64| if divisor == Divisor::D { surface(d) } else { surface(r) };
+        pairs.map(|(_, &d)| 2.0 * kernel.value(r - d) / divided(d)).sum::<f64>() / norm
+    };
+    let steps = 4000;
+    let step = (to - from) / f64::from(steps);
+    let integral: f64 =
+        (0..steps).map(|i| from + step * (f64::from(i) + 0.5)).map(|r| g(r, None).powi(2) * surface(r) * step).sum();
+    let inside = distances.iter().enumerate().filter(|(_, d)| (from..=to).contains(*d));
+    integral - 2.0 * inside.map(|(p, &d)| 2.0 * g(d, Some(p))).sum::<f64>() / norm
+}
+
+#[test]
+fn the_score_of_cross_validation_is_guans() {
+    let cases = [
+        (clustered(2, 30, 1), SmoothingKernel::Epanechnikov, Divisor::R),
+        // Pairs nearer than a bin would be divided by the surface at its centre.
+        (uniform(2, 30, 1), SmoothingKernel::Gaussian, Divisor::D),
+    ];
+    for (points, shape, divisor) in cases {
+        let e = ensemble(&[points, uniform(2, 25, 2)]);
+        let (search, counts) = search(&e, shape, [0.01, 0.3]);
+        let [lo, hi] = search.range;
+        for bandwidth in [3.0 * lo, (lo * hi).sqrt(), hi] {
+            let ours = CrossValidation::score(&search, &counts, divisor, Normalization::Pairs, bandwidth);
+            let truth = brute_force_score(&e, Kernel { shape, bandwidth }, divisor, search.distances);
+            assert!((ours - truth).abs() < 0.01 * truth.abs(), "{shape:?}, {bandwidth}: {ours} against {truth}");
+        }
+        let found = CrossValidation::new(&search, &counts, divisor, Normalization::Pairs);
+        let scores = (0..=40).map(|k| lo * (hi / lo).powf(f64::from(k) / 40.0));
+        let scores = scores.map(|b| CrossValidation::score(&search, &counts, divisor, Normalization::Pairs, b));
+        assert!(found.score <= scores.fold(f64::INFINITY, f64::min) + 1e-3 * found.score.abs(), "{found:?}");
+    }
+}
+
+/// On clusters much wider than Stoyan's bandwidth, against the closed form.
+#[test]
+fn cross_validation_beats_the_rule_of_thumb() {
+    let sampler = find("thomas").unwrap();
+    let values = ParameterValues::parse(sampler, &["mu=10", "sigma=1"]).unwrap();
+    let mut errors = [0.0; 2];
+    for seed in 1..=4 {
+        let e = pairwave::samplers::ensemble(sampler, 400, 2, seed, 0..4, &values, &Control::default()).unwrap();
+        let r: Vec<f64> = (0..200).map(|k| 0.03 + 0.0011 * f64::from(k)).collect();
+        let (search, counts) = search(&e, SmoothingKernel::Epanechnikov, [r[0], r[199]]);
+        let found = CrossValidation::new(&search, &counts, Divisor::R, Normalization::Pairs);
+        assert!(!found.at_end && search.distances == [r[0], r[199]], "{found:?}");
+        let squared_error = |bandwidth: f64| {
+            let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth };
+            let g = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, Correction::None, 400.0), &e);
+            let error = |(r, g): (&f64, &Option<f64>)| {
+                (g.unwrap() - sampler.pair_correlation(400, 2, *r, &values).unwrap()).powi(2) * r
+            };
+            g.r.iter().zip(&g.g).map(error).sum::<f64>()
+        };
+        let (ours, stoyan) =
+            (squared_error(found.bandwidth), squared_error(Bandwidth::Stoyan.value(e.domain(), 400.0)));
+        println!("seed {seed}: bandwidth {:.4}, squared error {ours:.3e}, Stoyan {stoyan:.3e}", found.bandwidth);
+        errors = [errors[0] + ours, errors[1] + stoyan];
+    }
+    assert!(errors[0] < 0.9 * errors[1], "{errors:?}");
+}
+
+fn envelope_of(values: &[f64], simulated: &[&[f64]]) -> Envelope {
+    let r = (0..values.len()).map(|k| k as f64).collect();
+    let simulated: Vec<Vec<f64>> = simulated.iter().map(|s| s.to_vec()).collect();
+    Envelope::new(Curve { name: "g", r, values: values.to_vec() }, &simulated)
+}
+
+/// Four curves at three r, ranked by hand:
+///
+/// ```text
+///             r = 0   1   2    ranks from the nearer end    sorted
+/// observed        9   5   5        1   2   2                1 2 2
+/// simulation 1    1   6   6        1   2   2                1 2 2
+/// simulation 2    4   1   9        2   1   1                1 1 2
+/// simulation 3    5   8   1        2   1   1                1 1 2
+/// ```
+#[test]
+fn global_ranks_worked_by_hand() {
+    let e = envelope_of(&[9.0, 5.0, 5.0], &[&[1.0, 6.0, 6.0], &[4.0, 1.0, 9.0], &[5.0, 8.0, 1.0]]);
+    assert_eq!((e.p, e.p_interval), (1.0, [0.0, 1.0]), "all have extreme rank 1; two are longer, one ties");
+    assert_eq!(e.pointwise, [vec![1.0, 1.0, 1.0], vec![5.0, 8.0, 9.0]]);
+    // The least curve may be left out at level 1/4; the two least tie, so nothing can be.
+    assert_eq!((e.alpha, e.global.clone()), (0.25, [vec![1.0, 1.0, 1.0], vec![9.0, 8.0, 9.0]]));
+
+    // Lowest at both r, so the observed curve alone is the most extreme: 1 1 against 1 2 and 2 2 (of 5, ties are none).
+    let e = envelope_of(&[0.0, 0.0], &[&[1.0, 4.0], &[2.0, 3.0], &[3.0, 2.0], &[4.0, 1.0]]);
+    assert_eq!((e.p, e.p_interval), (0.2, [0.0, 0.6]));
+    assert_eq!(e.global, [vec![1.0, 1.0], vec![4.0, 4.0]], "without the observed one");
+
+    // Equal values share the mean rank: a bin where nobody has a pair says nothing. An undefined one is left out.
+    let e = envelope_of(&[0.0, 5.0, f64::NAN], &[&[0.0, 1.0, 1.0], &[0.0, 2.0, 2.0]]);
+    assert_eq!((e.p, e.p_interval), (2.0 / 3.0, [0.0, 2.0 / 3.0]));
+    assert!(e.global[0][2].is_nan() && e.pointwise[0][2] == 1.0);
+}
+
+/// g of 30 points, uniform or jittered, among that of 39 uniform patterns, with fixed seeds.
+#[test]
+fn random_patterns_are_rejected_as_often_as_stated() {
+    let plan = pair_plan(&ensemble(&[uniform(2, 36, 0)]), RadialBins::linear(0.5, 20).unwrap(), Correction::None);
+    let g = |points: RawPoints| {
+        PairCorrelation::new(&plan, &reference_counts(&plan, &ensemble(&[points])), Normalization::Pairs)
+    };
+    let among = |points: RawPoints, seed: u64| {
+        let g_of = g(points);
+        let simulated: Vec<_> = (0..39).map(|s| g(uniform(2, 36, 1000 * seed + s)).g).collect();
+        Envelope::new(Curve { name: "g", r: g_of.r, values: g_of.g }, &simulated)
+    };
+    let outside = |e: &Envelope, [lo, hi]: &[Vec<f64>; 2], k: usize| {
+        let value = e.observed.values[k];
+        value < lo[k] || value > hi[k]
+    };
+    let (mut rejected, mut pointwise, mut sum) = (0, 0, 0.0);
+    let sets = 400;
+    for seed in 1..=sets {
+        let e = among(uniform(2, 36, 1000 * seed + 999), seed);
+        assert!(e.p_interval[0] < e.p_interval[1] && e.p <= e.p_interval[1] && e.p > e.p_interval[0]);
+        let left = (0..20).any(|k| outside(&e, &e.global, k));
+        assert!(!left || e.p <= e.alpha, "outside, but p = {}", e.p);
+        rejected += u32::from(e.p <= 0.05);
+        pointwise += u32::from(outside(&e, &e.pointwise, 15));
+        sum += e.p;
+    }
+    println!("rejected {rejected}, pointwise {pointwise} of {sets}; mean p {}", sum / sets as f64);
+    // Binomial(400, 0.05), four standard deviations; p is uniform on multiples of 1/40.
+    assert!((3..=37).contains(&rejected) && (3..=37).contains(&pointwise), "{rejected} and {pointwise}");
+    assert!((sum / sets as f64 - 0.5125).abs() < 4.0 * (1.0 / 12.0 / sets as f64).sqrt(), "mean p");
+
+    for seed in 1..=5 {
+        let mut rng = Rng(seed);
+        let cells = (0..36).flat_map(|j| [j % 6, j / 6]);
+        let jittered = raw(2, cells.map(|c| (f64::from(c) + 0.5 + 0.4 * (rng.unit() - 0.5)) / 6.0).collect());
+        let e = among(jittered, seed);
+        assert_eq!(e.p, 1.0 / 40.0, "the smallest there is");
+        assert!((0..20).any(|k| outside(&e, &e.global, k)));
+    }
 }

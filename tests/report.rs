@@ -13,13 +13,16 @@ use std::path::{Path, PathBuf};
 
 use common::*;
 use pairwave::Error;
-use pairwave::analysis::{Analysis, ClosedForm};
-use pairwave::compute::{Backend, ComputedBy};
+use pairwave::analysis::{Analysis, ClosedForm, Envelopes};
+use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
 use pairwave::estimate::{
-    Kernel, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    SmoothingKernel,
+    Curve, Envelope, ErrorSource, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
+    RadialSpectrum,
 };
-use pairwave::plan::{Accuracy, Correction, RadialBins, Rings, WaveGrid};
+use pairwave::plan::{
+    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, RadialBins, Rings, SmoothingKernel,
+    WaveGrid,
+};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
 
@@ -46,6 +49,7 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         k_function: None,
         kernel: None,
         vector: None,
+        envelopes: None,
         spectrum: Some(spectrum),
         grid_wanted: true,
         radial: Some(radial),
@@ -146,11 +150,13 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     a.closed_form.radial =
         Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
     let whole = ensemble(&sets);
-    let kernel = Kernel::new(SmoothingKernel::Epanechnikov, None, &unit(2), n as f64).unwrap();
-    let fine = pair_plan(&whole, kernel.fine_bins(r_max(n), &unit(2)).unwrap(), Correction::None);
-    let counts = reference_counts(&fine, &whole);
+    let bandwidth = Bandwidth::Stoyan.value(&unit(2), n as f64);
+    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth };
     let r = a.pair_correlation.as_ref().unwrap().r.clone();
-    a.kernel = Some(KernelEstimate::new(kernel, &r, &fine, &counts, Normalization::Pairs));
+    let plan = KernelPlan::new(kernel, Divisor::R, r, false, &unit(2), Correction::None, shape(&whole)).unwrap();
+    let sums = Reference.kernel_sums(&plan, &whole, &Control::default()).unwrap().unwrap();
+    a.kernel = Some(KernelEstimate::new(&plan, &sums, Normalization::Pairs));
+    a.envelopes = Some(envelopes(&a, 19));
     scenes.push(("jittered", a));
 
     let sets = [uniform(2, n, 5)];
@@ -212,6 +218,15 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     (a.pair_correlation, a.spectrum, a.radial) = (None, None, None);
     scenes.push(("many points", a));
     scenes
+}
+
+/// Envelopes of g from curves about 1.
+fn envelopes(a: &Analysis, simulations: u64) -> Envelopes {
+    let g = a.pair_correlation.as_ref().unwrap();
+    let curve = |s| g.r.iter().enumerate().map(|(k, _)| 0.9 + 0.2 * Rng(1000 * s + k as u64).unit()).collect();
+    let simulated: Vec<Vec<f64>> = (0..simulations).map(curve).collect();
+    let observed = Curve { name: "g", r: g.r.clone(), values: g.g.clone() };
+    Envelopes { simulations, curves: vec![Envelope::new(observed, &simulated)] }
 }
 
 /// P = 0 everywhere, and with it no anisotropy.
@@ -363,7 +378,18 @@ fn tables_read_back_as_the_same_numbers() {
     (g.g[0], g.g_se[0], g.g[1]) = (f64::NAN, f64::INFINITY, 1.0 / 3.0 * 1e-7);
     let kernel = Kernel { shape: SmoothingKernel::Box, bandwidth: 0.01 };
     let half: Vec<_> = (0..16).map(|b| (b >= 2).then_some(f64::from(b) / 3.0)).collect();
-    a.kernel = Some(KernelEstimate { kernel, r: g.r.clone(), g: half.clone(), g_se: half });
+    a.kernel = Some(KernelEstimate {
+        kernel,
+        divisor: Divisor::R,
+        road: KernelRoad::Binned,
+        r: g.r.clone(),
+        g: half.clone(),
+        g_se: half,
+        errors: ErrorSource::AcrossRealizations,
+        bound: 1e-6,
+        cross_validation: None,
+    });
+    a.envelopes = Some(envelopes(&a, 19));
     a.radial.as_mut().unwrap().rings[0].anisotropy_db = None;
     report::write(root.path(), &a, false).unwrap();
 
@@ -379,6 +405,24 @@ fn tables_read_back_as_the_same_numbers() {
     assert_eq!(c["count"].iter().map(|n| n.parse().unwrap()).collect::<Vec<u64>>(), g.count);
     assert_eq!((c["g_kernel"][1].as_str(), c["g_kernel_se"][1].as_str()), ("", ""));
     assert_eq!(c["g_kernel"][4].parse::<f64>().unwrap(), 4.0 / 3.0);
+
+    let kernel = &json(root.path())["pair_correlation"]["kernel"];
+    assert_eq!((&kernel["road"], &kernel["divisor"], &kernel["bound"]), (&"binned".into(), &"r".into(), &1e-6.into()));
+    assert_eq!(kernel["errors"], "across-realizations");
+
+    let (header, c) = columns(&root.path().join("envelope.csv"));
+    assert_eq!(header, ["curve", "r", "observed", "lo", "hi", "global_lo", "global_hi"]);
+    let e = &a.envelopes.as_ref().unwrap().curves[0];
+    assert!(c["curve"].iter().all(|name| name == "g"));
+    assert_eq!(c["observed"][0], "", "undefined, as in pcf.csv");
+    for (name, values) in
+        [("lo", &e.pointwise[0]), ("hi", &e.pointwise[1]), ("global_lo", &e.global[0]), ("global_hi", &e.global[1])]
+    {
+        assert_eq!(floats(&c[name][1..]), values[1..], "{name}");
+    }
+    let summary = &json(root.path())["envelope"];
+    assert_eq!((&summary["simulations"], &summary["pointwise_significance"]), (&19.into(), &0.1.into()));
+    assert_eq!((&summary["curves"][0]["curve"], &summary["curves"][0]["p"]), (&"g".into(), &e.p.into()));
 
     let (header, c) = columns(&root.path().join("spectrum_radial.csv"));
     let names = "nu_lo,nu,nu_hi,modes,p,p_se,anisotropy_db,anisotropy_reference_db,anisotropy_db_se,independent_modes";

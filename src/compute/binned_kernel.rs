@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::plan::KernelPlan;
 use crate::points::Ensemble;
 
-/// The kernel sums of every realization, counted by `count`.
-pub(super) fn kernel_sums(
+/// The kernel sums of every realization, from the counts of a device.
+pub fn kernel_sums(
     device: &dyn Compute,
     plan: &KernelPlan,
     ensemble: &Ensemble,

@@ -10,6 +10,7 @@ mod fallback;
 pub mod gpu;
 pub mod reference;
 
+pub use binned_kernel::kernel_sums as binned_kernel_sums;
 pub use device_choice::{DeviceChoice, Opened};
 pub(crate) use fallback::WithFallback;
 

@@ -86,8 +86,9 @@ pub struct BandwidthSearch {
     pub shape: SmoothingKernel,
     /// Smallest and largest bandwidth tried.
     pub range: [f64; 2],
-    /// The distances over which the squared error is integrated: those at which g is reported, as far as the largest
-    /// bandwidth leaves the domain room.
+    /// The distances over which the squared error is integrated: those at which g is reported, from where a kernel of
+    /// Stoyan's bandwidth loses no mass below 0 (nearer, that loss would outweigh all else and favour the smallest
+    /// bandwidth), to where the largest still fits the domain.
     pub distances: [f64; 2],
     /// The bins.
     pub pairs: PairPlan,
@@ -107,10 +108,11 @@ impl BandwidthSearch {
         let largest = (SEARCHED[1] * spacing).min(0.5 * limit / shape.reach());
         let range = (r[1] + shape.reach() * largest).min(limit);
         let smallest = (SEARCHED[0] * spacing).min(0.1 * largest).max(BINS_PER_BANDWIDTH * range / MAX_SEARCH_BINS);
-        let distances = [r[0], r[1].min(range - shape.reach() * largest)];
+        let lossless = shape.reach() * Bandwidth::Stoyan.value(domain, ensemble.mean_points);
+        let distances = [r[0].max(lossless), r[1].min(limit - shape.reach() * largest)];
         if distances[0] >= distances[1] || smallest >= largest {
             let reason = format!(
-                "needs distances below {}: with bandwidths up to {largest} the kernel reaches past the longest one from there on",
+                "needs r between {lossless:.4e}, below which kernels lose mass, and {:.4e}, beyond which they reach too far",
                 limit - shape.reach() * largest
             );
             return Err(Error::setting("--bandwidth", "lscv", reason));
