@@ -45,3 +45,17 @@ fn wide_add_128(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
 fn wide_less_128(a: vec4<u32>, b: vec4<u32>) -> bool {
     return wide_less(a.zw, b.zw) || (all(a.zw == b.zw) && wide_less(a.xy, b.xy));
 }
+
+fn wide_sub_128(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+    let borrow = select(0u, 1u, wide_less(a.xy, b.xy));
+    return vec4<u32>(wide_sub(a.xy, b.xy), wide_sub(wide_sub(a.zw, b.zw), vec2<u32>(borrow, 0u)));
+}
+
+// The nearest f32, or a neighbour of it.
+fn wide_f32(a: vec2<u32>) -> f32 {
+    return f32(a.y) * 4294967296.0 + f32(a.x);
+}
+
+fn wide_f32_128(a: vec4<u32>) -> f32 {
+    return wide_f32(a.zw) * 18446744073709551616.0 + wide_f32(a.xy);
+}

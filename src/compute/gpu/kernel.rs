@@ -32,6 +32,12 @@ shader_files! {
     BINS_TABLE = "shared/bins_table.wgsl";
     HISTOGRAM_WORKGROUP = "shared/histogram_workgroup.wgsl";
     HISTOGRAM_GLOBAL = "shared/histogram_global.wgsl";
+    WEIGHTS_NONE = "shared/weights_none.wgsl";
+    WEIGHTS_FIXED_POINT = "shared/weights_fixed_point.wgsl";
+    WEIGHTS_TRANSLATION = "shared/weights_translation.wgsl";
+    WEIGHTS_ISOTROPIC = "shared/weights_isotropic.wgsl";
+    WEIGHTS_BORDER = "shared/weights_border.wgsl";
+    PAIRS = "shared/pairs.wgsl";
     PAIR_COUNTS = "pair_counts.wgsl";
     PHASE = "shared/phase.wgsl";
     TWO_FLOAT = "shared/two_float.wgsl";

@@ -7,6 +7,7 @@ mod buffers;
 mod device;
 mod kernel;
 mod pair_counts;
+mod pair_jobs;
 pub mod params;
 mod probe;
 mod wave_power;

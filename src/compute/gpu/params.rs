@@ -61,14 +61,14 @@ macro_rules! twins {
 }
 
 twins! {
-    /// See `shaders/pair_counts.wgsl`.
+    /// See `shaders/shared/pairs.wgsl`.
     struct PairParams {
-        /// Periods in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
-        period_rounded: [u32; 4],
-        /// Lower half of the periods in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
-        period_low: [u32; 4],
+        /// Sides of the box in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
+        side_rounded: [u32; 4],
+        /// Lower half of the sides in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
+        side_low: [u32; 4],
         /// Upper half.
-        period_high: [u32; 4],
+        side_high: [u32; 4],
         /// `BinFilter::Linear`: bins per step of `length_unit / 2^32`.
         bins_per_step: f32,
         /// `BinFilter::Linear`: relative guard.
@@ -182,27 +182,32 @@ twins! {
     }
 }
 
-/// Bindings of `pair_counts` with linear bins.
-pub const PAIR_LINEAR: &[Binding] = &[
-    bound(0, "params", Access::Uniform),
-    bound(1, "jobs", Access::Read),
-    bound(2, "rounded", Access::Read),
-    bound(3, "exact", Access::Read),
-    bound(4, "thresholds", Access::Read),
-    bound(5, "histograms", Access::ReadWrite),
-];
+macro_rules! pair_bindings {
+    ($($(#[$doc:meta])* $name:ident = $($extra:expr),*;)+) => {
+        $($(#[$doc])*
+        pub const $name: &[Binding] = &[
+            bound(0, "params", Access::Uniform),
+            bound(1, "jobs", Access::Read),
+            bound(2, "rounded", Access::Read),
+            bound(3, "exact", Access::Read),
+            bound(4, "thresholds", Access::Read),
+            bound(5, "histograms", Access::ReadWrite),
+            $($extra),*
+        ];)+
+    };
+}
 
-/// Bindings of `pair_counts` with a table of bins.
-pub const PAIR_TABLE: &[Binding] = &[
-    bound(0, "params", Access::Uniform),
-    bound(1, "jobs", Access::Read),
-    bound(2, "rounded", Access::Read),
-    bound(3, "exact", Access::Read),
-    bound(4, "thresholds", Access::Read),
-    bound(5, "histograms", Access::ReadWrite),
-    bound(6, "cells", Access::Read),
-    bound(7, "bounds", Access::Read),
-];
+pair_bindings! {
+    /// Bindings of `pair_counts` with linear bins.
+    PAIR_LINEAR = ;
+    /// Bindings of `pair_counts` with a table of bins.
+    PAIR_TABLE = bound(6, "cells", Access::Read), bound(7, "bounds", Access::Read);
+    /// The same with minus sampling.
+    PAIR_LINEAR_BORDER = bound(8, "margins", Access::Read);
+    /// The same with minus sampling.
+    PAIR_TABLE_BORDER =
+        bound(6, "cells", Access::Read), bound(7, "bounds", Access::Read), bound(8, "margins", Access::Read);
+}
 
 /// Bindings of `wave_power`.
 pub const WAVE_POWER: &[Binding] = &[
