@@ -10,7 +10,7 @@ use pairwave::Error;
 use pairwave::accumulate::{LEAF, WavePower};
 use pairwave::compute::cpu::{Cpu, SimdLevel};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, RadialBins};
+use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins};
 use pairwave::points::{Domain, Ensemble};
 
 /// The native path with each instruction set this processor has.
@@ -50,26 +50,70 @@ fn counts_are_equal_around_block_sizes() {
     }
 }
 
+/// Every correction, with and without weights of points, in windows whose points touch sides and corners.
 #[test]
-fn translation_weights_equal_the_reference() {
+fn corrected_sums_equal_the_reference() {
     for dim in 1..=3 {
         let ranges = &[(-1.0, 2.0), (0.5, 1.75), (10.0, 12.2)][..dim];
         let window = Domain::window(ranges).unwrap();
-        let r = 0.9 * window.shortest_side();
         // The lattice has points on both ends of the closed window's sides.
         let closed = raw(dim, lattice(dim, 7).coordinates.iter().map(|x| x * 7.0 / 6.0).collect());
         let sets = [uniform(dim, 300, 1), clustered(dim, 200, 2), closed, uniform(dim, 1, 3), uniform(dim, 0, 4)];
         let ensemble = ensemble_in(&window, &sets);
-        for (name, bins) in [
-            ("linear", RadialBins::linear(r, 70).unwrap()),
-            ("log", RadialBins::logarithmic(1e-3 * r, r, 30).unwrap()),
-            ("given", RadialBins::from_edges(vec![0.1 * r, 0.2 * r, 0.200_000_001 * r, r]).unwrap()),
-            ("tiny", RadialBins::linear(1e-9, 100).unwrap()),
-        ] {
-            let plan = pair_plan(&ensemble, bins, Correction::Translation);
-            counts_are_equal(&format!("window, translation, {name}, {dim}D"), &plan, &ensemble);
+        let mut rng = Rng(9);
+        let weights: Vec<f64> =
+            (0..ensemble.total_points()).map(|j| 3.7 * rng.unit() * f64::from(j as u32 % 3)).collect();
+        let ensemble = ensemble.with_weights(&weights);
+        for correction in [Correction::None, Correction::Translation, Correction::Isotropic, Correction::Border] {
+            if dim == 3 && correction == Correction::Isotropic {
+                continue;
+            }
+            let r = match correction {
+                Correction::Isotropic => window.half_diagonal(),
+                Correction::Border => 0.49 * window.shortest_side(),
+                _ => 0.9 * window.shortest_side(),
+            };
+            for (name, bins) in [
+                ("linear", RadialBins::linear(r, 70).unwrap()),
+                ("log", RadialBins::logarithmic(1e-3 * r, r, 30).unwrap()),
+                ("given", RadialBins::from_edges(vec![0.1 * r, 0.2 * r, 0.200_000_001 * r, r]).unwrap()),
+                ("tiny", RadialBins::linear(1e-9, 100).unwrap()),
+            ] {
+                for masses in [false, true] {
+                    if masses && correction == Correction::Border {
+                        continue;
+                    }
+                    let settings = PairSettings { cumulative: true, masses, ..correction.into() };
+                    let plan = PairPlan::new(&window, bins.clone(), settings, shape(&ensemble)).unwrap();
+                    let name = format!("window, {correction}, {name}, {dim}D, weights of points: {masses}");
+                    counts_are_equal(&name, &plan, &ensemble);
+                }
+            }
         }
     }
+}
+
+/// Large realizations are shared between threads, part by part.
+#[test]
+fn corrected_sums_of_large_realizations_equal_the_reference() {
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let ensemble = ensemble_in(&window, &[uniform(2, 1100, 1)]);
+    let weights: Vec<f64> = (0..1100).map(f64::from).collect();
+    let ensemble = ensemble.with_weights(&weights);
+    for (correction, masses) in
+        [(Correction::Border, false), (Correction::Isotropic, true), (Correction::Translation, true)]
+    {
+        let settings = PairSettings { cumulative: true, masses, ..correction.into() };
+        let bins = RadialBins::linear(0.4, 40).unwrap();
+        let plan = PairPlan::new(&window, bins, settings, shape(&ensemble)).unwrap();
+        counts_are_equal(&format!("{correction}, n = 1100"), &plan, &ensemble);
+    }
+    let torus = ensemble_in(&Domain::torus(&[2.0, 1.0]).unwrap(), &[uniform(2, 600, 1)]);
+    let weighted = torus.with_weights(&weights[..600]);
+    let settings = PairSettings { masses: true, beyond_half: true, ..Correction::None.into() };
+    let bins = RadialBins::linear(1.25f64.sqrt(), 90).unwrap();
+    let plan = PairPlan::new(weighted.domain(), bins, settings, shape(&weighted)).unwrap();
+    counts_are_equal("weighted torus, to half the diagonal", &plan, &weighted);
 }
 
 /// Bins narrower than a step of 2^-32, or so many that f32 decides next to nothing.

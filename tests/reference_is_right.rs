@@ -4,8 +4,9 @@
 mod common;
 
 use common::*;
+use pairwave::compute::reference::{isotropic_weight, weighted_pair};
 use pairwave::estimate::{Normalization, PairCorrelation, PowerSpectrum};
-use pairwave::plan::{Accuracy, Correction, RadialBins, WaveGrid};
+use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {
@@ -241,4 +242,112 @@ fn translation_weights_by_hand() {
     let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
     let expected = 2.0 * (2.0 * 16.0 / 9.0) / (2.0 * ring);
     assert!((g.g[1] - expected).abs() < 1e-9, "{} against {expected}", g.g[1]);
+}
+
+/// The isotropic weight of the pair of points `a` and `b` of a window, seen from `a`.
+fn isotropic(window: &Domain, a: &[f64], b: &[f64]) -> f64 {
+    let ensemble = Ensemble::from_raw(&[raw(a.len(), [a, b].concat())], window, false, 0).unwrap();
+    isotropic_weight(&ensemble.lengths(0), window.side_steps(), 0, 1) as f64 / 2f64.powi(32)
+}
+
+#[test]
+fn isotropic_weights_by_hand() {
+    let square = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b;
+    for (a, b, expected) in [
+        // The whole circle is inside, or touches all four sides.
+        ([0.5, 0.5], [0.6, 0.7], 1.0),
+        ([0.5, 0.5], [1.0, 0.5], 1.0),
+        // Half of it, a quarter.
+        ([0.0, 0.5], [0.1, 0.5], 2.0),
+        ([0.0, 0.0], [0.3, 0.4], 4.0),
+        ([1.0, 1.0], [1.0, 0.25], 4.0),
+        // A side at half the radius cuts off 2 acos(1/2), a third.
+        ([0.1, 0.5], [0.3, 0.5], 1.5),
+        // Two such sides in a corner: each a third, and what they share once: from the corner's quadrant nothing is left,
+        // from its neighbours 1/12 each, and 1/4.
+        ([0.1, 0.1], [0.3, 0.1], 12.0 / 5.0),
+        // Next to nothing is left: the cap.
+        ([0.0, 0.0], [1.0, 1.0], 100.0),
+        // The same place twice.
+        ([0.0, 0.0], [0.0, 0.0], 1.0),
+    ] {
+        let found = isotropic(&square, &a, &b);
+        assert!(near(found, expected), "{a:?} to {b:?}: {found}, expected {expected}");
+    }
+    let line = Domain::window(&[(-1.0, 3.0)]).unwrap();
+    for (a, b, expected) in [(0.0, 0.5, 1.0), (0.0, 1.0, 1.0), (0.0, 1.5, 2.0), (-1.0, 0.0, 2.0), (1.0, 3.0, 1.0)] {
+        assert_eq!(isotropic(&line, &[a], &[b]), expected, "{a} to {b}");
+    }
+    // Any circle: the part of 100,000 directions that stays inside.
+    let window = Domain::window(&[(-3.0, -1.0), (10.0, 11.0)]).unwrap();
+    let mut rng = Rng(8);
+    for _ in 0..50 {
+        let mut point = || [-3.0 + 2.0 * rng.unit(), 10.0 + rng.unit()];
+        let (a, b) = (point(), point());
+        let r = (a[0] - b[0]).hypot(a[1] - b[1]);
+        let inside = |k: &i32| {
+            let (sin, cos) = (f64::from(*k) * 1e-5 * std::f64::consts::TAU).sin_cos();
+            (-3.0..=-1.0).contains(&(a[0] + r * cos)) && (10.0..=11.0).contains(&(a[1] + r * sin))
+        };
+        let expected = 1e5 / (0..100_000).filter(inside).count() as f64;
+        let found = isotropic(&window, &a, &b);
+        assert!((found / expected - 1.0).abs() < 1e-4 * expected, "{a:?} to {b:?}: {found}, not {expected}");
+    }
+}
+
+#[test]
+fn border_correction_by_hand() {
+    // Points at 1, 2, 4 and 15 of [0, 16]: 1, 2, 4 and 1 from the border. Edges 0, 1, 2, 4: they are 1, 2, 3 and 1 bins deep.
+    let window = Domain::window(&[(0.0, 16.0)]).unwrap();
+    let ensemble = Ensemble::from_raw(&[raw(1, vec![1.0, 2.0, 4.0, 15.0])], &window, false, 0).unwrap();
+    let bins = RadialBins::from_edges(vec![0.0, 1.0, 2.0, 4.0]).unwrap();
+    let settings = PairSettings { cumulative: true, ..Correction::Border.into() };
+    let plan = PairPlan::new(&window, bins, settings, shape(&ensemble)).unwrap();
+    let sums = reference_counts(&plan, &ensemble);
+    // Distances 1, 2 and 3 between the first three, the fourth is too far. An edge belongs above it.
+    assert_eq!(sums.counts, [0, 2, 4]);
+    // Bin [1, 2): 2 looks at 1, but 1 not at 2. Bin [2, 4): 4 looks at 2 and at 1.
+    assert_eq!(sums.bins.sums, [0, 1, 2]);
+    let inside: Vec<u128> = sums.bins.norms.iter().map(|n| n[0].sum / 4).collect();
+    assert_eq!(inside, [4, 2, 1], "points at least as deep as the upper edge");
+    // Closer than 2: 2 looks at 1, 4 at none. Closer than 4: 4 looks at 2 and 1, and 2 no more at 1.
+    assert_eq!(sums.cumulative.unwrap().sums, [0, 1, 2]);
+    // In 2D the nearest of four sides counts: a point in the middle of a long window sees as far as half its width.
+    let window = Domain::window(&[(0.0, 10.0), (0.0, 2.0)]).unwrap();
+    let ensemble = Ensemble::from_raw(&[raw(2, vec![5.0, 1.0, 5.5, 1.5])], &window, false, 0).unwrap();
+    let bins = RadialBins::from_edges(vec![0.0, 0.75, 0.99]).unwrap();
+    let plan = pair_plan(&ensemble, bins, Correction::Border);
+    let sums = reference_counts(&plan, &ensemble);
+    assert_eq!((sums.counts, sums.bins.sums), (vec![2, 0], vec![1, 0]));
+}
+
+#[test]
+fn weighted_points_by_hand() {
+    let (one, half) = (1 << 24, 1 << 23);
+    assert_eq!(weighted_pair([one, one], 3 << 32), 3 << 32);
+    assert_eq!(weighted_pair([one, half], 1 << 32), 1 << 31);
+    assert_eq!(weighted_pair([1 << 7, 1 << 8], 1 << 32), 1, "half a step goes up");
+    assert_eq!(weighted_pair([1 << 7, (1 << 8) - 1], 1 << 32), 0);
+    // Weights 3, 1 and 0 of three points, in units of 4.
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let points = [raw(2, vec![0.5, 0.5, 1.0, 0.75, 1.0, 0.75])];
+    let ensemble = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[3.0, 1.0, 0.0]);
+    for (correction, weight) in [(Correction::None, 1.0), (Correction::Translation, 16.0 / 9.0)] {
+        let settings = PairSettings { masses: true, ..correction.into() };
+        let bins = RadialBins::linear(0.8, 2).unwrap();
+        let plan = PairPlan::new(&window, bins, settings, shape(&ensemble)).unwrap();
+        let sums = reference_counts(&plan, &ensemble);
+        assert_eq!(sums.counts, [2, 4], "counts are of points");
+        assert!((sums.sum(1) - 2.0 * 3.0 / 16.0 * weight).abs() < 1e-9);
+        assert_eq!(sums.bins.sums[0], 0);
+        let norms = sums.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(48));
+        assert_eq!(norms, [(16.0 - 10.0) / 16.0, 1.0], "(sum u)^2 - sum u^2, and (sum u)^2");
+        let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
+        let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
+        assert!((g.g[1] - 2.0 * weight / ring * 6.0 / 6.0).abs() < 1e-8, "{}", g.g[1]);
+    }
+    // A largest weight that is a power of two is exactly 1.
+    let powers = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[0.25, 0.125, 1e-9]);
+    assert_eq!(powers.masses(0).unwrap(), [one, half, 0]);
 }

@@ -103,28 +103,9 @@ impl PairPlan {
         settings: impl Into<PairSettings>,
         shape: EnsembleShape,
     ) -> Result<Self> {
-        let PairSettings { correction, cumulative, beyond_half: _, masses } = settings.into();
-        let r_max = bins.r_max();
-        if domain.is_torus() {
-            if correction != Correction::None {
-                return Err(Error::setting("--correction", correction, "a torus has no edges; use none"));
-            }
-            let limit = domain.shortest_side() / 2.0;
-            if r_max > limit {
-                let reason = format!(
-                    "beyond half the shortest side ({limit}) a ring does not fit into the torus and g would be under-counted; \
-                     expected at most {limit}"
-                );
-                return Err(Error::setting("--r-max", number(r_max), reason));
-            }
-        } else if r_max > domain.shortest_side() * (1.0 - 1e-6) {
-            // So close to it translation weights grow without bound.
-            let limit = domain.shortest_side();
-            let reason = format!(
-                "expected less than the shortest side of the window ({limit}): beyond, some directions are never seen"
-            );
-            return Err(Error::setting("--r-max", number(r_max), reason));
-        }
+        let PairSettings { correction, cumulative, beyond_half, masses } = settings.into();
+        check_correction(domain, correction, masses)?;
+        check_r_max(domain, correction, beyond_half, bins.r_max())?;
         let thresholds = bins.thresholds(domain)?;
         let filter = BinFilter::new(&bins, domain);
         // Points (three u64 axes twice) and a histogram with weights per realization.
@@ -155,6 +136,59 @@ impl PairPlan {
         let n = self.shape.mean_points;
         self.shape.realizations as f64 * n * (n - 1.0).max(0.0) / 2.0
     }
+}
+
+fn check_correction(domain: &Domain, correction: Correction, masses: bool) -> Result<()> {
+    let reason = match correction {
+        Correction::None => return Ok(()),
+        _ if domain.is_torus() => "a torus has no edges; use none",
+        Correction::Isotropic if domain.dim() == 3 => {
+            "the part of a sphere inside a box is not computed; 3D has translation, border and none"
+        }
+        Correction::Border if masses => "counts points, not weights; expected translation, isotropic or none",
+        _ => return Ok(()),
+    };
+    Err(Error::setting("--correction", correction, reason))
+}
+
+/// Up to where each way of counting is right: on a torus a ball must not meet itself; in a window every direction of a
+/// pair must be seen from somewhere (translation, none), every point must have some of its circle inside (isotropic),
+/// some points must be that far from the border.
+fn check_r_max(domain: &Domain, correction: Correction, beyond_half: bool, r_max: f64) -> Result<()> {
+    let (side, diagonal) = (domain.shortest_side(), domain.half_diagonal());
+    let (fits, reason) = match (domain.is_torus(), correction) {
+        (true, _) if beyond_half => (
+            r_max <= diagonal,
+            format!("expected at most half the diagonal of the torus ({diagonal}): no two points are further apart"),
+        ),
+        (true, _) => (
+            r_max <= side / 2.0,
+            format!(
+                "beyond half the shortest side ({0}) a ring does not fit into the torus and g would be under-counted; \
+                 expected at most {0}, or --beyond-half, which compares with the part that fits",
+                side / 2.0
+            ),
+        ),
+        (false, Correction::Isotropic) => (
+            r_max <= diagonal,
+            format!("expected at most half the diagonal of the window ({diagonal}): beyond, some points see no circle"),
+        ),
+        (false, Correction::Border) => (
+            r_max < side / 2.0,
+            format!(
+                "expected less than half the shortest side of the window ({}): no point is further from the border",
+                side / 2.0
+            ),
+        ),
+        // Close to the side translation weights grow without bound.
+        (false, _) => (
+            r_max <= side * (1.0 - 1e-6),
+            format!(
+                "expected less than the shortest side of the window ({side}): beyond, some directions are never seen"
+            ),
+        ),
+    };
+    if fits { Ok(()) } else { Err(Error::setting("--r-max", number(r_max), reason)) }
 }
 
 impl fmt::Display for PairPlan {

@@ -125,6 +125,21 @@ impl Domain {
         periods
     }
 
+    /// Side of each axis in fixed-point steps of `length_unit() / 2^64`, rounded as positions are, so that no position in a
+    /// window is beyond it; 0 stands for 2^64, the longest side of a torus.
+    pub fn side_steps(&self) -> [u64; 3] {
+        let mut steps = [0; 3];
+        for (step, side) in steps.iter_mut().zip(&self.sides) {
+            *step = super::fixed_point(side / self.length_unit());
+        }
+        steps
+    }
+
+    /// Half the diagonal: the longest distance on a torus, and the radius of the circle about a window.
+    pub fn half_diagonal(&self) -> f64 {
+        self.sides.iter().map(|s| s * s).sum::<f64>().sqrt() / 2.0
+    }
+
     /// Distance between neighbours in the closest packing of `n` points: hexagonal in 2D, `sqrt(2/(sqrt(3) lambda))`;
     /// face-centred cubic in 3D, `(sqrt(2)/lambda)^(1/3)`; even spacing in 1D.
     pub fn closest_packing_distance(&self, n: f64) -> f64 {

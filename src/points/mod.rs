@@ -62,7 +62,14 @@ pub struct Ensemble {
     fractions: Vec<Vec<u64>>,
     /// `None` on a cubic torus, where lengths are the fractions.
     lengths: Option<Vec<Vec<u64>>>,
+    /// The weight of each point, in steps of 2^-24; `None` where every point weighs 1.
+    masses: Option<Vec<u32>>,
+    /// The class of each point; `None` where there is only one.
+    classes: Option<Vec<u32>>,
 }
+
+/// A point's weight of 1: weights are multiples of 2^-24.
+pub const UNIT_MASS: u32 = 1 << 24;
 
 impl Ensemble {
     /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
@@ -99,7 +106,44 @@ impl Ensemble {
             offsets.push(fractions[0].len());
         }
         let lengths = own_lengths.then_some(lengths);
-        Ok(Self { domain: domain.clone(), first_index, offsets, fractions, lengths })
+        Ok(Self { domain: domain.clone(), first_index, offsets, fractions, lengths, masses: None, classes: None })
+    }
+
+    /// The same points with weights, one per point of all realizations: finite, at least 0, and not all 0. They are kept
+    /// as multiples of 2^-24 of the power of two at or above the largest, so each is off by at most 2^-24 of the
+    /// largest. That unit drops out of g and K.
+    pub fn with_weights(mut self, weights: &[f64]) -> Self {
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        let mut unit = 2f64.powi(libm::ilogb(largest));
+        if unit < largest {
+            unit *= 2.0;
+        }
+        let mass = |w: &f64| (w / unit * f64::from(UNIT_MASS)).round_ties_even() as u32;
+        self.masses = Some(weights.iter().map(mass).collect());
+        self
+    }
+
+    /// The same points with classes, one per point of all realizations.
+    pub fn with_classes(mut self, classes: Vec<u32>) -> Self {
+        self.classes = Some(classes);
+        self
+    }
+
+    /// The points of the classes that `wanted` holds, in the same realizations.
+    pub fn of_classes(&self, wanted: &[u32]) -> Self {
+        let Some(classes) = &self.classes else { return self.clone() };
+        let kept: Vec<usize> = (0..self.total_points()).filter(|&j| wanted.contains(&classes[j])).collect();
+        let cut = |axes: &Vec<Vec<u64>>| axes.iter().map(|a| kept.iter().map(|&j| a[j]).collect()).collect();
+        let marks = |marks: &Vec<u32>| kept.iter().map(|&j| marks[j]).collect();
+        Self {
+            domain: self.domain.clone(),
+            first_index: self.first_index,
+            offsets: self.offsets.iter().map(|&o| kept.partition_point(|&j| j < o)).collect(),
+            fractions: cut(&self.fractions),
+            lengths: self.lengths.as_ref().map(cut),
+            masses: self.masses.as_ref().map(marks),
+            classes: Some(marks(classes)),
+        }
     }
 
     /// The domain.
@@ -152,6 +196,11 @@ impl Ensemble {
         (0..self.domain.dim()).map(|a| &self.all_lengths(a)[self.range(k)]).collect()
     }
 
+    /// The weights of the points of realization `k`, in steps of 2^-24; `None` where every point weighs 1.
+    pub fn masses(&self, k: usize) -> Option<&[u32]> {
+        self.masses.as_ref().map(|m| &m[self.range(k)])
+    }
+
     /// Position of point `j` of realization `k` in the domain's own units.
     pub fn position(&self, k: usize, j: usize) -> Vec<f64> {
         let unit = self.domain.length_unit() / 2f64.powi(64);
@@ -170,6 +219,8 @@ impl Ensemble {
             offsets: self.offsets[range.start..=range.end].iter().map(|o| o - points.start).collect(),
             fractions: cut(&self.fractions),
             lengths: self.lengths.as_ref().map(cut),
+            masses: self.masses.as_ref().map(|m| m[points.clone()].to_vec()),
+            classes: self.classes.as_ref().map(|c| c[points.clone()].to_vec()),
         }
     }
 

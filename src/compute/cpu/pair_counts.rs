@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
 use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, by_r2};
-use super::pair_weights::{PairWeights, WeightSums};
+use super::pair_weights::{PairWeights, PointData, WeightSums};
 use super::simd::SimdLevel;
 use crate::accumulate::{PairCounts, PairHistogram};
 use crate::compute::{Compute, Control, reference};
@@ -59,7 +59,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                     control.check()?;
                     tally.count(cpu.level, plan, &filter, &set, block);
                 }
-                sums.add(&tally.take(set.n));
+                sums.add(&tally.take(&set));
             }
         });
         let mut sums = new_sums();
@@ -80,7 +80,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                 control.check()?;
                 let block = next.fetch_add(1, Ordering::Relaxed);
                 if block >= set.blocks() {
-                    return Ok(tally.take(set.n));
+                    return Ok(tally.take(&set));
                 }
                 tally.count(cpu.level, plan, &filter, &set, block);
             }
@@ -104,6 +104,8 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
 struct Set<'a> {
     n: usize,
     exact: Vec<&'a [u64]>,
+    /// What weights need beside positions.
+    points: PointData<'a>,
     periods: [u64; 3],
     rounded: Vec<Vec<u32>>,
     rounded_periods: [u32; 3],
@@ -123,7 +125,9 @@ impl<'a> Set<'a> {
                 axis.iter().map(|&v| round32(v, period)).chain(std::iter::repeat_n(0, LANES)).collect()
             })
             .collect();
-        Self { n: ensemble.points_in(k), exact, periods, rounded, rounded_periods }
+        let masses = ensemble.masses(k);
+        let points = PointData::new(plan, &exact, masses);
+        Self { n: ensemble.points_in(k), exact, points, periods, rounded, rounded_periods }
     }
 
     fn blocks(&self) -> usize {
@@ -223,7 +227,7 @@ impl Tally {
         let bins = self.bins;
         let Self { short, stride, weights, counts, undecided, .. } = self;
         if let Some(weights) = weights {
-            let of_points = PairWeights::new(plan, &set.exact);
+            let of_points = PairWeights::new(plan, &set.exact, &set.points);
             let sink = |i: usize, first: usize, slots: &[u32]| {
                 for (j, &slot) in (first..).zip(slots) {
                     let bin = slot as usize;
@@ -279,14 +283,14 @@ impl Tally {
         self.pending = 0;
     }
 
-    /// The histogram of ordered pairs counted so far, leaving nothing.
-    fn take(&mut self, n: usize) -> PairHistogram {
+    /// The histogram of ordered pairs of `set` counted so far, leaving nothing.
+    fn take(&mut self, set: &Set<'_>) -> PairHistogram {
         self.empty();
         // Every unordered pair stands for two ordered ones of the same distance.
         let counts = self.counts.iter_mut().map(|c| 2 * std::mem::take(c)).collect();
-        let histogram = PairHistogram::new(n as u64, counts, None);
+        let histogram = PairHistogram::new(set.n as u64, counts, None);
         match &mut self.weights {
-            Some(weights) => weights.take(histogram),
+            Some(weights) => weights.take(histogram, &set.points),
             None => histogram,
         }
     }

@@ -1,24 +1,78 @@
-//! What pairs add beside their count: edge-correction weights. Formulas: see `reference`.
+//! What pairs add beside their count: edge-correction weights, products of point weights, and who is deep inside the
+//! window. Formulas: see `reference`.
 
-use crate::accumulate::{PairHistogram, WEIGHT_STEPS};
-use crate::plan::PairPlan;
+use std::borrow::Cow;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// The weight of any pair of one realization: translation weights as in `reference::translation_weight`, operation for
-/// operation, with the quotients of sides taken once.
+use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
+use crate::compute::reference;
+use crate::plan::{Correction, PairPlan};
+use crate::points::UNIT_MASS;
+
+/// What the pairs of one realization need to know about its points beside where they are.
+pub(super) struct PointData<'a> {
+    /// With border correction, the number of bins whose upper edge is at most the distance of the point from the border.
+    depths: Vec<u32>,
+    /// Weights of the points, where the plan takes them into account.
+    masses: Option<Cow<'a, [u32]>>,
+}
+
+impl<'a> PointData<'a> {
+    /// Of points at `axes` with weights `masses`.
+    pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [u32]>) -> Self {
+        let sides = plan.domain.side_steps();
+        let depth = |j| reference::depth(&plan.thresholds, reference::border_distance(axes, sides, j)) as u32;
+        let depths = if plan.border() { (0..axes[0].len()).map(depth).collect() } else { Vec::new() };
+        let unit = || Cow::Owned(vec![UNIT_MASS; axes[0].len()]);
+        let masses = plan.masses.then(|| masses.map_or_else(unit, Cow::Borrowed));
+        Self { depths, masses }
+    }
+
+    /// `(sum u)^2` and `sum u^2`, in steps of 2^-48.
+    fn mass_sums(&self) -> Option<[u128; 2]> {
+        let masses = self.masses.as_ref()?;
+        let sum: u128 = masses.iter().map(|&u| u128::from(u)).sum();
+        Some([sum * sum, masses.iter().map(|&u| u128::from(u) * u128::from(u)).sum()])
+    }
+}
+
+/// The weight of any pair of one realization.
 pub(super) struct PairWeights<'a> {
     axes: &'a [&'a [u64]],
+    data: &'a PointData<'a>,
+    correction: Correction,
+    /// In length units, and in steps.
     sides: [f64; 3],
+    side_steps: [u64; 3],
 }
 
 impl<'a> PairWeights<'a> {
-    pub(super) fn new(plan: &PairPlan, axes: &'a [&'a [u64]]) -> Self {
+    pub(super) fn new(plan: &PairPlan, axes: &'a [&'a [u64]], data: &'a PointData<'a>) -> Self {
         let mut sides = [0.0; 3];
         for (a, side) in sides.iter_mut().zip(plan.domain.sides()) {
             *a = side / plan.domain.length_unit();
         }
-        Self { axes, sides }
+        Self { axes, data, correction: plan.correction, sides, side_steps: plan.domain.side_steps() }
     }
 
+    /// The weights of (i, j) and of (j, i), added.
+    #[inline(always)]
+    fn both(&self, i: usize, j: usize) -> u128 {
+        let product = |w: u64| match &self.data.masses {
+            Some(masses) => u128::from(reference::weighted_pair([masses[i], masses[j]], w)),
+            None => u128::from(w),
+        };
+        match self.correction {
+            Correction::None | Correction::Border => 2 * product(1 << 32),
+            Correction::Translation => 2 * product(self.translation(i, j)),
+            Correction::Isotropic => {
+                let [a, b] = self.isotropic(i, j);
+                product(a) + product(b)
+            }
+        }
+    }
+
+    /// `reference::translation_weight`, operation for operation, with the quotients of sides taken once.
     #[inline(always)]
     fn translation(&self, i: usize, j: usize) -> u64 {
         let mut weight = 1.0;
@@ -29,28 +83,94 @@ impl<'a> PairWeights<'a> {
         }
         (weight * WEIGHT_STEPS).round_ties_even() as u64
     }
+
+    /// `reference::isotropic_weight` from both ends, operation for operation, but for circles that no side cuts.
+    #[inline(always)]
+    fn isotropic(&self, i: usize, j: usize) -> [u64; 2] {
+        let square = |d: u64| u128::from(d) * u128::from(d);
+        let r2: u128 = self.axes.iter().map(|axis| square(axis[i].abs_diff(axis[j]))).sum();
+        [i, j].map(|at| {
+            let nearest = reference::border_distance(self.axes, self.side_steps, at);
+            if square(nearest) >= r2 { 1 << 32 } else { self.cut_circle(at, r2) }
+        })
+    }
+
+    /// The isotropic weight of a circle about point `at` that some side cuts.
+    fn cut_circle(&self, at: usize, r2: u128) -> u64 {
+        let [x, y] = match self.axes {
+            [x, y] => [x[at], y[at]],
+            // One of two ends is inside.
+            _ => return 2 << 32,
+        };
+        let cut = |d: u64| {
+            let d2 = u128::from(d) * u128::from(d);
+            if d2 >= r2 { 0.0 } else { libm::atan2(((r2 - d2) as f64).sqrt(), d as f64) }
+        };
+        let (xs, ys) = ([x, self.side_steps[0] - x].map(cut), [y, self.side_steps[1] - y].map(cut));
+        let mut inside = 0.0;
+        for x in xs {
+            for y in ys {
+                inside += (FRAC_PI_2 - x - y).max(0.0);
+            }
+        }
+        ((TAU / inside).min(reference::MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
+    }
 }
 
 /// Sums over unordered pairs, of both orders.
-pub(super) struct WeightSums {
-    weights: Vec<u128>,
+pub(super) enum WeightSums {
+    /// Of weights.
+    Weights(Vec<u128>),
+    /// Of pairs seen from deep inside, as in `BorderHistogram`.
+    Border { counts: Vec<u64>, ends: Vec<u64> },
 }
 
 impl WeightSums {
     /// `None` where pairs are only counted.
     pub(super) fn new(plan: &PairPlan) -> Option<Self> {
-        plan.weighted().then(|| Self { weights: vec![0; plan.bins.len()] })
+        let bins = plan.bins.len();
+        if plan.border() {
+            return Some(Self::Border { counts: vec![0; bins], ends: vec![0; bins + 1] });
+        }
+        plan.weighted().then(|| Self::Weights(vec![0; bins]))
     }
 
     /// Adds the pairs (i, j) and (j, i).
     #[inline(always)]
     pub(super) fn add(&mut self, of: &PairWeights<'_>, bin: usize, i: usize, j: usize) {
-        self.weights[bin] += 2 * u128::from(of.translation(i, j));
+        match self {
+            Self::Weights(weights) => weights[bin] += of.both(i, j),
+            Self::Border { counts, ends } => {
+                for depth in [of.data.depths[i] as usize, of.data.depths[j] as usize] {
+                    let seen = u64::from(depth > bin);
+                    counts[bin] += seen;
+                    ends[depth] += seen;
+                }
+            }
+        }
     }
 
-    /// The histogram with these sums, leaving nothing.
-    pub(super) fn take(&mut self, histogram: PairHistogram) -> PairHistogram {
-        let weights = self.weights.iter_mut().map(std::mem::take).collect();
-        PairHistogram { weights: Some(weights), ..histogram }
+    /// The histogram of these points with these sums, leaving nothing.
+    pub(super) fn take(&mut self, histogram: PairHistogram, points: &PointData<'_>) -> PairHistogram {
+        match self {
+            Self::Weights(weights) => {
+                let weights = Some(weights.iter_mut().map(std::mem::take).collect());
+                PairHistogram { weights, masses: points.mass_sums(), ..histogram }
+            }
+            Self::Border { counts, ends } => {
+                let bins = counts.len();
+                let [counts, ends] = [counts, ends].map(|sums| sums.iter_mut().map(std::mem::take).collect());
+                let mut deeper = vec![0; bins + 1];
+                points.depths.iter().for_each(|&depth| deeper[depth as usize] += 1);
+                // From the deepest outwards: points with depth > b.
+                for b in (0..bins).rev() {
+                    deeper[b] += deeper[b + 1];
+                }
+                PairHistogram {
+                    border: Some(BorderHistogram { counts, ends, points: deeper.split_off(1) }),
+                    ..histogram
+                }
+            }
+        }
     }
 }

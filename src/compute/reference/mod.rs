@@ -3,7 +3,10 @@
 mod pair_counts;
 mod wave_power;
 
-pub use pair_counts::{minimum_image, squared_distance, translation_weight};
+pub(crate) use pair_counts::MAX_ISOTROPIC;
+pub use pair_counts::{
+    border_distance, depth, isotropic_weight, minimum_image, squared_distance, translation_weight, weighted_pair,
+};
 pub use wave_power::phase_turns;
 
 use super::{Backend, Compute, ComputedBy, Control};
@@ -24,7 +27,7 @@ impl Compute for Reference {
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         let mut sums = PairCounts::new(self.computed_by(), plan);
         for k in 0..ensemble.realizations() {
-            sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), control)?);
+            sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.masses(k), control)?);
         }
         Ok(sums)
     }

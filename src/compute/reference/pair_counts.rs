@@ -7,18 +7,29 @@
 //! ```
 //!
 //! with `|.|` the minimum-image distance on a torus and the plain one in a window; ordered pairs, so each unordered pair
-//! counts twice. `w = 1`, or with translation correction `w(h) = |D| / |D intersect (D + h)|` (Ohser, "On estimators for
-//! the reduced second moment measure of point processes", 1983; `Illian et al., Statistical Analysis and Modelling of
-//! Spatial Point Patterns`, 2008, section 4.2.2).
+//! counts twice. The weight `w` corrects for what the window does not show (Illian et al., Statistical Analysis and
+//! Modelling of Spatial Point Patterns, 2008, section 4.2.2):
+//!
+//! - none: `w = 1`;
+//! - translation: `w = |D| / |D intersect (D + x_i - x_j)|` (Ohser, "On estimators for the reduced second moment measure of
+//!   point processes", 1983);
+//! - isotropic, 1D and 2D: `w = |S| / |S intersect D|`, `S` the circle about `x_i` through `x_j`, in 1D its two ends
+//!   (Ripley, "The second-order analysis of stationary point processes", 1976). At most 100, as in spatstat;
+//! - border: `w = 1` if `x_i` is at least as far from the border of `D` as the upper edge of the bin, else 0 (minus
+//!   sampling; Ripley, Statistical Inference for Spatial Processes, 1988, section 3.2).
+//!
+//! Points with weights `u` count `u_i u_j w`.
 //!
 //! Coordinates are integers in steps of `length_unit / 2^64`. Squared distances are compared with integer thresholds in
 //! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32.
 
-use crate::accumulate::{PairHistogram, WEIGHT_STEPS};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::compute::Control;
 use crate::error::Result;
 use crate::plan::{Correction, PairPlan};
-use crate::points::Domain;
+use crate::points::{Domain, UNIT_MASS};
 
 /// The distance between two positions along one axis, in steps; `period` 0 stands for 2^64. In a window (period 0) no
 /// distance exceeds half of 2^64, so the minimum image is the plain difference.
@@ -50,15 +61,77 @@ pub fn translation_weight(axes: &[&[u64]], domain: &Domain, i: usize, j: usize) 
     (weight * WEIGHT_STEPS).round_ties_even() as u64
 }
 
-/// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`.
-pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]], control: &Control) -> Result<PairHistogram> {
+/// The largest isotropic weight.
+pub(crate) const MAX_ISOTROPIC: f64 = 100.0;
+
+/// The isotropic weight of the ordered pair (i, j) in steps of 2^-32, in 1D and 2D; `sides` as `Domain::side_steps`.
+///
+/// In each of the four quadrants about `x_i`, a side at distance `d < r` cuts the angle `acos(d / r)` off the circle, and
+/// the two sides cut from opposite ends: `pi/2 - acos(d_x / r) - acos(d_y / r)` is left, or nothing. `acos(d / r)` is taken
+/// as `atan2(sqrt(r^2 - d^2), d)`, with an exact difference. Libm's atan2 is the same on every machine.
+pub fn isotropic_weight(axes: &[&[u64]], sides: [u64; 3], i: usize, j: usize) -> u64 {
+    let square = |d: u64| u128::from(d) * u128::from(d);
+    let r2: u128 = axes.iter().map(|axis| square(axis[i].abs_diff(axis[j]))).sum();
+    let cut = |d: u64| {
+        if square(d) >= r2 { 0.0 } else { libm::atan2(((r2 - square(d)) as f64).sqrt(), d as f64) }
+    };
+    let cuts = |axis: usize| [cut(axes[axis][i]), cut(sides[axis] - axes[axis][i])];
+    if axes.len() == 1 {
+        // Of two ends, one is at x_j.
+        let outside = cuts(0).into_iter().filter(|&angle| angle > 0.0).count();
+        return if outside == 0 { 1 << 32 } else { 2 << 32 };
+    }
+    let mut inside = 0.0;
+    for x in cuts(0) {
+        for y in cuts(1) {
+            inside += (FRAC_PI_2 - x - y).max(0.0);
+        }
+    }
+    ((TAU / inside).min(MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
+}
+
+/// The distance of point `i` from the border of the window, in steps.
+pub fn border_distance(axes: &[&[u64]], sides: [u64; 3], i: usize) -> u64 {
+    axes.iter().zip(sides).map(|(axis, side)| axis[i].min(side - axis[i])).min().unwrap_or(0)
+}
+
+/// The number of bins whose upper edge is at most `distance`.
+pub fn depth(thresholds: &[u128], distance: u64) -> usize {
+    let squared = u128::from(distance) * u128::from(distance);
+    thresholds[1..].partition_point(|&t| t <= squared)
+}
+
+/// `u_i u_j w` of points whose weights are `u`, in steps of 2^-24, and a pair that weighs `w`, in steps of 2^-32: in steps
+/// of 2^-32, rounded to nearest.
+pub fn weighted_pair(u: [u32; 2], w: u64) -> u64 {
+    let product = u128::from(u[0]) * u128::from(u[1]) * u128::from(w);
+    ((product + (1 << 47)) >> 48) as u64
+}
+
+/// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`, `masses[j]` its weight.
+pub(super) fn pair_counts(
+    plan: &PairPlan,
+    axes: &[&[u64]],
+    masses: Option<&[u32]>,
+    control: &Control,
+) -> Result<PairHistogram> {
     let n = axes[0].len();
     let bins = plan.bins.len();
-    let periods = plan.domain.periods();
+    let (periods, sides) = (plan.domain.periods(), plan.domain.side_steps());
+    let mass = |j: usize| masses.map_or(UNIT_MASS, |m| m[j]);
     let mut counts = vec![0; bins];
-    let mut weights = (plan.correction == Correction::Translation).then(|| vec![0; bins]);
+    let mut weights = plan.weighted().then(|| vec![0; bins]);
+    let mut border = plan.border().then(|| BorderHistogram {
+        counts: vec![0; bins],
+        ends: vec![0; bins + 1],
+        points: vec![0; bins],
+    });
     for i in 0..n {
         control.check()?;
+        let depth = if plan.border() { depth(&plan.thresholds, border_distance(axes, sides, i)) } else { 0 };
+        if let Some(border) = &mut border {
+            (0..depth).for_each(|b| border.points[b] += 1);
+        }
         for j in 0..n {
             if i == j {
                 continue;
@@ -66,13 +139,29 @@ pub(super) fn pair_counts(plan: &PairPlan, axes: &[&[u64]], control: &Control) -
             let r2 = squared_distance(axes, periods, i, j);
             // The number of edges at or below the distance: bin b lies between edges b and b + 1.
             let edges_below = plan.thresholds.partition_point(|&t| t <= r2);
-            if (1..=bins).contains(&edges_below) {
-                counts[edges_below - 1] += 1;
-                if let Some(weights) = &mut weights {
-                    weights[edges_below - 1] += u128::from(translation_weight(axes, &plan.domain, i, j));
-                }
+            if !(1..=bins).contains(&edges_below) {
+                continue;
+            }
+            let bin = edges_below - 1;
+            counts[bin] += 1;
+            if let Some(weights) = &mut weights {
+                let edge = match plan.correction {
+                    Correction::None | Correction::Border => 1 << 32,
+                    Correction::Translation => translation_weight(axes, &plan.domain, i, j),
+                    Correction::Isotropic => isotropic_weight(axes, sides, i, j),
+                };
+                let weight = if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { edge };
+                weights[bin] += u128::from(weight);
+            }
+            if let Some(border) = border.as_mut().filter(|_| depth > bin) {
+                border.counts[bin] += 1;
+                border.ends[depth] += 1;
             }
         }
     }
-    Ok(PairHistogram::new(n as u64, counts, weights))
+    let masses = plan.masses.then(|| {
+        let sum: u128 = (0..n).map(|j| u128::from(mass(j))).sum();
+        [sum * sum, (0..n).map(|j| u128::from(mass(j)).pow(2)).sum()]
+    });
+    Ok(PairHistogram { border, masses, ..PairHistogram::new(n as u64, counts, weights) })
 }
