@@ -11,7 +11,7 @@ use common::*;
 use pairwave::Error;
 use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, PairSettings, RadialBins};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// A device of one's own, or `None` where there is no driver and a person said that this is fine.
@@ -65,6 +65,47 @@ fn counts_are_equal() {
     for case in pair_cases(500) {
         let here = gpu.pair_counts(&case.plan, &case.ensemble, &go()).unwrap();
         assert_counts_equal(&case.name, &here, &reference_counts(&case.plan, &case.ensemble));
+    }
+}
+
+/// Counts and minus sampling are equal, sums of weights within their bound.
+fn agree_with_the_reference(gpu: &GpuCompute, case: &PairCase) -> f64 {
+    let here = gpu.pair_counts(&case.plan, &case.ensemble, &go()).unwrap();
+    let truth = reference_counts(&case.plan, &case.ensemble);
+    if case.plan.weighted() {
+        return assert_weights_within(&case.name, &here, &truth);
+    }
+    assert_counts_equal(&case.name, &here, &truth);
+    0.0
+}
+
+#[test]
+fn corrected_sums_agree() {
+    let Some(gpu) = shared("corrections") else { return };
+    let mut worst = 0f64;
+    for case in corrected_cases(300) {
+        assert_eq!(gpu.supports_pair_counts(&case.plan), Ok(()), "{}", case.name);
+        worst = worst.max(agree_with_the_reference(gpu, &case));
+    }
+    println!("worst of all: {worst:.1e}");
+    assert!(worst > 0.0, "f32 weights that equal f64 ones compare nothing");
+}
+
+#[test]
+fn corrected_sums_are_the_same_bytes_however_the_work_is_cut() {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 2.0)]).unwrap();
+    let ensemble = ensemble_in(&window, &[uniform(2, 900, 1), uniform(2, 1, 2), clustered(2, 300, 3)]);
+    for correction in [Correction::Translation, Correction::Isotropic, Correction::Border] {
+        // As many bins as fit into workgroup memory, and more.
+        for bins in [40, 9000] {
+            let plan = pair_plan(&ensemble, RadialBins::linear(0.49, bins).unwrap(), correction);
+            let Some(gpu) = shared("cuts") else { return };
+            let once = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+            assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{correction}, again");
+            let Some(gpu) = open("cuts") else { return };
+            let gpu = gpu.with_tuning(|t| (t.pairs_per_dispatch, t.fill) = (1, Fill::Poison));
+            assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{correction}, cut");
+        }
     }
 }
 
@@ -399,9 +440,16 @@ fn what_is_not_done_here_is_said() {
     let ensemble = ensemble_in(&window, &[uniform(2, 50, 1)]);
     let plain = pair_plan(&ensemble, RadialBins::linear(0.4, 8).unwrap(), Correction::None);
     assert_eq!(gpu.supports_pair_counts(&plain), Ok(()));
-    let weighted = pair_plan(&ensemble, RadialBins::linear(0.4, 8).unwrap(), Correction::Translation);
-    assert!(gpu.supports_pair_counts(&weighted).unwrap_err().contains("translation"));
-    assert!(gpu.pair_counts(&weighted, &ensemble, &go()).is_err());
+    let bins = |r: f64| RadialBins::linear(r, 8).unwrap();
+    // Weights that grow without bound, and weights of points.
+    let steep = pair_plan(&ensemble, bins(0.999), Correction::Translation);
+    assert!(gpu.supports_pair_counts(&steep).unwrap_err().contains("translation weights up to"));
+    let settings = PairSettings { masses: true, ..Correction::None.into() };
+    let masses = PairPlan::new(&window, bins(0.4), settings, shape(&ensemble)).unwrap();
+    assert!(gpu.supports_pair_counts(&masses).unwrap_err().contains("weights of points"));
+    for plan in [steep, masses] {
+        assert!(gpu.pair_counts(&plan, &ensemble, &go()).is_err());
+    }
     assert_eq!(gpu.supports_wave_power(&wave_plan(&ensemble, &[4, 4], Accuracy::Fast)), Ok(()));
     let high = wave_plan(&ensemble, &[4, 4], Accuracy::High);
     assert!(gpu.supports_wave_power(&high).unwrap_err().contains("f64"));

@@ -12,7 +12,8 @@ use pairwave::plan::WaveGrid;
 
 fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
-    specs.extend(pair_cases(20).iter().map(|case| pair_kernel(&case.plan, 32 << 10)));
+    let cases = pair_cases(20).into_iter().chain(corrected_cases(20));
+    specs.extend(cases.map(|case| pair_kernel(&case.plan, 32 << 10)));
     specs.extend(wave_kernels(&WaveGrid::new(&[4, 4]).unwrap()));
     specs
 }

@@ -19,7 +19,7 @@ const WORKGROUP_BYTES: [u32; 2] = [16 << 10, 32 << 10];
 /// Every kernel for every choice that plans make.
 fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
-    for case in pair_cases(60) {
+    for case in pair_cases(60).into_iter().chain(corrected_cases(60)) {
         specs.extend(WORKGROUP_BYTES.map(|bytes| pair_kernel(&case.plan, bytes)));
     }
     for dim in 1..=3 {
@@ -131,7 +131,7 @@ fn every_kernel_is_valid_and_portable() {
 
 #[test]
 fn workgroup_memory_follows_the_smaller_limit() {
-    for case in pair_cases(60) {
+    for case in pair_cases(60).into_iter().chain(corrected_cases(60)) {
         for bytes in WORKGROUP_BYTES {
             let used = pair_kernel(&case.plan, bytes).workgroup_bytes().unwrap();
             assert!(used <= bytes, "{}: {used} of {bytes} bytes", case.name);

@@ -7,7 +7,7 @@ mod radial_bins;
 mod wave_grid;
 mod wave_plan;
 
-pub use accuracy::{Accuracy, PowerBound};
+pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
 pub use pair_plan::{CellGrid, Correction, PairPlan, PairSearch, PairSettings};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};

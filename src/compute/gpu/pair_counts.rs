@@ -5,13 +5,10 @@ use std::ops::Range;
 
 use super::kernel::{self, KernelSpec, ShaderFile};
 use super::pair_jobs::dispatches;
-use super::params::{
-    Binding, PAIR_LINEAR, PAIR_LINEAR_BORDER, PAIR_TABLE, PAIR_TABLE_BORDER, PairParams,
-};
+use super::params::{Binding, PAIR_LINEAR, PAIR_LINEAR_BORDER, PAIR_TABLE, PAIR_TABLE_BORDER, PairParams};
 use super::{GpuCompute, Tuning};
 use crate::accumulate::{BorderHistogram, PairCounts, PairHistogram};
-use crate::compute::reference::{border_distance, depth};
-use crate::compute::{Compute, Control};
+use crate::compute::{Compute, Control, reference};
 use crate::error::Result;
 use crate::plan::{BinFilter, BinTable, Correction, PairPlan};
 use crate::points::Ensemble;
@@ -261,7 +258,8 @@ impl Tables {
         let bins = match &plan.filter {
             BinFilter::Linear { .. } => Vec::new(),
             BinFilter::Table(table) => {
-                let bounds: Vec<[f32; 2]> = table.low.iter().zip(&table.high).map(|(&low, &high)| [low, high]).collect();
+                let bounds: Vec<[f32; 2]> =
+                    table.low.iter().zip(&table.high).map(|(&low, &high)| [low, high]).collect();
                 vec![gpu.upload("cells", &table.cells, fill), gpu.upload("bounds", &bounds, fill)]
             }
         };
@@ -277,7 +275,7 @@ impl Tables {
         histograms: &'a wgpu::Buffer,
     ) -> Vec<&'a wgpu::Buffer> {
         let first = [params, jobs, &points.rounded, &points.exact, &self.thresholds, histograms];
-        first.into_iter().chain(&self.bins).chain(&points.margins).collect()
+        first.into_iter().chain(&self.bins).chain(&points.depths).collect()
     }
 }
 
@@ -288,7 +286,7 @@ struct Points {
     /// Positions, axis by axis.
     exact: wgpu::Buffer,
     /// Bins whose upper edge is at most the distance from the border, for minus sampling.
-    margins: Option<wgpu::Buffer>,
+    depths: Option<wgpu::Buffer>,
 }
 
 impl Points {
@@ -302,21 +300,22 @@ impl Points {
             // Low word first, as the kernel reads it.
             long.extend(axis.iter().map(|&x| [x as u32, (x >> 32) as u32]));
         }
-        let margins: Option<Vec<u32>> =
-            plan.border().then(|| range.clone().flat_map(|k| margins(plan, &ensemble.lengths(k))).collect());
+        let depths: Option<Vec<u32>> =
+            plan.border().then(|| range.clone().flat_map(|k| depths(plan, &ensemble.lengths(k))).collect());
         let (gpu, fill) = (compute.gpu(), compute.tuning.fill);
         Self {
             rounded: gpu.upload("rounded", &short, fill),
             exact: gpu.upload("exact", &long, fill),
-            margins: margins.map(|m| gpu.upload("margins", &m, fill)),
+            depths: depths.map(|m| gpu.upload("depths", &m, fill)),
         }
     }
 }
 
 /// Per point of a realization, the number of bins whose upper edge is at most its distance from the border.
-fn margins(plan: &PairPlan, axes: &[&[u64]]) -> Vec<u32> {
+fn depths(plan: &PairPlan, axes: &[&[u64]]) -> Vec<u32> {
     let sides = plan.domain.side_steps();
-    (0..axes[0].len()).map(|i| depth(&plan.thresholds, border_distance(axes, sides, i)) as u32).collect()
+    let depth = |i| reference::depth(&plan.thresholds, reference::border_distance(axes, sides, i)) as u32;
+    (0..axes[0].len()).map(depth).collect()
 }
 
 /// The nearest multiple of 2^32, modulo the period (0 stands for 2^64), in units of 2^32.
@@ -371,8 +370,8 @@ impl Sums {
             };
             let border = plan.border().then(|| {
                 let mut points = vec![0; bins];
-                for margin in margins(plan, &ensemble.lengths(k)) {
-                    points[..margin as usize].iter_mut().for_each(|p| *p += 1);
+                for depth in depths(plan, &ensemble.lengths(k)) {
+                    points[..depth as usize].iter_mut().for_each(|p| *p += 1);
                 }
                 let (counts, ends) = rest.split_at(bins);
                 let small = |sums: &[u128]| sums.iter().map(|&c| c as u64).collect();

@@ -203,10 +203,10 @@ pair_bindings! {
     /// Bindings of `pair_counts` with a table of bins.
     PAIR_TABLE = bound(6, "cells", Access::Read), bound(7, "bounds", Access::Read);
     /// The same with minus sampling.
-    PAIR_LINEAR_BORDER = bound(8, "margins", Access::Read);
+    PAIR_LINEAR_BORDER = bound(8, "depths", Access::Read);
     /// The same with minus sampling.
     PAIR_TABLE_BORDER =
-        bound(6, "cells", Access::Read), bound(7, "bounds", Access::Read), bound(8, "margins", Access::Read);
+        bound(6, "cells", Access::Read), bound(7, "bounds", Access::Read), bound(8, "depths", Access::Read);
 }
 
 /// Bindings of `wave_power`.
