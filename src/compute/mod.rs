@@ -3,6 +3,7 @@
 //! - `cpu`: threads and SIMD;
 //! - `gpu`: WGSL; the only folder that names wgpu.
 
+pub(crate) mod cells;
 pub mod cpu;
 mod device_choice;
 mod fallback;

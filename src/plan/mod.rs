@@ -2,14 +2,18 @@
 
 mod accuracy;
 mod bin_filter;
+mod cell_grid;
 mod pair_plan;
+mod pair_search;
 mod radial_bins;
 mod wave_grid;
 mod wave_plan;
 
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
-pub use pair_plan::{CellGrid, Correction, PairPlan, PairSearch, PairSettings};
+pub use cell_grid::{CellAxis, CellGrid, StencilRow};
+pub use pair_plan::{Correction, PairPlan, PairSettings};
+pub use pair_search::{PairSearch, SearchCosts, SearchEstimate};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use wave_grid::{MAX_FREQUENCY, Rings, WaveGrid};
 pub use wave_plan::WavePlan;
