@@ -59,3 +59,16 @@ fn wide_f32(a: vec2<u32>) -> f32 {
 fn wide_f32_128(a: vec4<u32>) -> f32 {
     return wide_f32(a.zw) * 18446744073709551616.0 + wide_f32(a.xy);
 }
+
+// The full product of two 64-bit integers.
+fn wide_product_128(a: vec2<u32>, b: vec2<u32>) -> vec4<u32> {
+    let outer = vec4<u32>(wide_product(a.x, b.x), wide_product(a.y, b.y));
+    let first = wide_add_128(outer, vec4<u32>(0u, wide_product(a.x, b.y), 0u));
+    return wide_add_128(first, vec4<u32>(0u, wide_product(a.y, b.x), 0u));
+}
+
+// The lower half of a 64-bit integer shifted right by 1 to 63 bits.
+fn wide_shift_right(a: vec2<u32>, bits: u32) -> u32 {
+    if (bits >= 32u) { return a.y >> (bits - 32u); }
+    return (a.x >> bits) | (a.y << (32u - bits));
+}

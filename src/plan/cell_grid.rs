@@ -126,6 +126,11 @@ impl CellAxis {
         Self { multiplier: ((u128::from(cells) << shift) / extent) as u64, shift }
     }
 
+    /// Multiplier and shift.
+    pub fn rule(self) -> (u64, u32) {
+        (self.multiplier, self.shift)
+    }
+
     /// The cell of a position.
     #[inline(always)]
     pub fn cell(self, position: u64) -> u32 {

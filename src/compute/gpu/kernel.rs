@@ -39,6 +39,10 @@ shader_files! {
     WEIGHTS_BORDER = "shared/weights_border.wgsl";
     PAIRS = "shared/pairs.wgsl";
     PAIR_COUNTS = "pair_counts.wgsl";
+    PAIR_COUNTS_CELLS = "pair_counts_cells.wgsl";
+    CELL_TYPES = "shared/cell_types.wgsl";
+    CELL_COUNT = "cell_count.wgsl";
+    CELL_SCATTER = "cell_scatter.wgsl";
     PHASE = "shared/phase.wgsl";
     TWO_FLOAT = "shared/two_float.wgsl";
     WAVE_TYPES = "shared/wave_types.wgsl";

@@ -3,158 +3,28 @@
 
 use std::ops::Range;
 
-use super::kernel::{self, KernelSpec, ShaderFile};
+use super::buffers::ReadBack;
+use super::kernel::Kernel;
 use super::pair_jobs::dispatches;
-use super::params::{Binding, PAIR_LINEAR, PAIR_LINEAR_BORDER, PAIR_TABLE, PAIR_TABLE_BORDER, PairParams};
-use super::{GpuCompute, Tuning};
-use crate::accumulate::{BorderHistogram, PairCounts, PairHistogram};
-use crate::compute::{Compute, Control, reference};
+use super::pair_sums::{Sums, depths};
+use super::params::PairParams;
+use super::{GpuCompute, pair_cells, pair_specs};
+use crate::accumulate::PairCounts;
+use crate::compute::{Compute, Control};
 use crate::error::Result;
-use crate::plan::{BinFilter, BinTable, Correction, PairPlan};
+use crate::plan::{BinFilter, PairPlan, PairSearch, SearchCosts};
 use crate::points::Ensemble;
 
-const NAME: &str = "pair_counts";
-/// Points in registers per invocation.
-const POINTS_PER_LANE: u32 = 4;
-/// Workgroup memory given to copies of the histogram, per invocation: 16 KiB for 128 of them. More would keep other workgroups
-/// off the processor.
-const COPIES_BYTES: u32 = 128;
-/// A copy for every lane that runs in step with others (32 on most hardware) leaves none to wait for.
-const MAX_COPIES: u32 = 32;
-/// From this many points per realization on, there are enough tiles to fill a large GPU with wide workgroups.
-const WIDE_FROM_POINTS: u64 = 1 << 15;
-/// Dispatches of fewer pairs than this are not worth it.
-const LEAST_PAIRS: u64 = 1 << 22;
+pub(super) const NAME: &str = "pair_counts";
 
-/// The words of one histogram, and how many of them are pairs of words.
-struct Layout {
-    /// All words.
-    words: u32,
-    /// Sums of 64 bits, at the end: low halves, then high halves.
-    sums: u32,
-}
-
-impl Layout {
-    fn new(plan: &PairPlan) -> Self {
-        let bins = plan.bins.len() as u32;
-        match plan.correction {
-            Correction::None => Self { words: bins, sums: 0 },
-            Correction::Translation | Correction::Isotropic => Self { words: 3 * bins, sums: bins },
-            Correction::Border => Self { words: 3 * bins + 1, sums: 0 },
-        }
-    }
-
-    /// Words that are sums of their own.
-    fn plain(&self) -> usize {
-        (self.words - 2 * self.sums) as usize
-    }
-
-    /// How many sums there are.
-    fn values(&self) -> usize {
-        (self.words - self.sums) as usize
-    }
-}
-
-/// The kernel for a plan on a device with `limit` bytes of workgroup memory.
-pub(super) fn spec(plan: &PairPlan, limit: u32) -> KernelSpec {
-    let workgroup = if plan.shape.max_points >= WIDE_FROM_POINTS { 128 } else { 64 };
-    let (dim, tile) = (plan.domain.dim() as u32, POINTS_PER_LANE * workgroup);
-    let (mut files, mut overrides, bindings) = parts(plan, workgroup, limit - 4 * dim * tile);
-    files.push(kernel::PAIR_COUNTS);
-    overrides.extend([("TILE", tile), ("TILE_WORDS", dim * tile)]);
-    KernelSpec { name: NAME, files, overrides, bindings }
-}
-
-/// What kernels over pairs share, for workgroups with `bytes` of memory left for histograms: files, numbers, bindings.
-#[allow(clippy::type_complexity, reason = "the fields of a KernelSpec")]
-fn parts(
-    plan: &PairPlan,
-    workgroup: u32,
-    bytes: u32,
-) -> (Vec<ShaderFile>, Vec<(&'static str, u32)>, &'static [Binding]) {
-    let (dim, bins) = (plan.domain.dim(), plan.bins.len() as u32);
-    let layout = Layout::new(plan);
-    let cubic = plan.domain.periods()[..dim].iter().all(|&p| p == 0);
-    let mut files = vec![kernel::WIDE_INTEGERS, if cubic { kernel::TORUS_CUBIC } else { kernel::TORUS_BOX }];
-    let mut overrides = vec![
-        ("WORKGROUP", workgroup),
-        ("DIM", dim as u32),
-        ("BINS", bins),
-        ("WORDS", layout.words),
-        ("SUMS", layout.sums),
-    ];
-    let border = plan.border();
-    let bindings = match plan.filter {
-        BinFilter::Linear { .. } => {
-            files.push(kernel::BINS_LINEAR);
-            if border { PAIR_LINEAR_BORDER } else { PAIR_LINEAR }
-        }
-        BinFilter::Table(_) => {
-            files.push(kernel::BINS_TABLE);
-            overrides.push(("CELL_SHIFT", BinTable::CELL_SHIFT));
-            if border { PAIR_TABLE_BORDER } else { PAIR_TABLE }
-        }
-    };
-    if 4 * u64::from(layout.words) <= u64::from(bytes) {
-        let mut copies = 1;
-        while copies < MAX_COPIES && 8 * copies * layout.words <= (COPIES_BYTES * workgroup).min(bytes) {
-            copies *= 2;
-        }
-        files.push(kernel::HISTOGRAM_WORKGROUP);
-        overrides.extend([("COPIES", copies), ("HISTOGRAM_WORDS", layout.words * copies)]);
-    } else {
-        files.push(kernel::HISTOGRAM_GLOBAL);
-    }
-    match plan.correction {
-        Correction::None => files.push(kernel::WEIGHTS_NONE),
-        Correction::Translation => files.extend([kernel::WEIGHTS_FIXED_POINT, kernel::WEIGHTS_TRANSLATION]),
-        Correction::Isotropic => files.extend([kernel::WEIGHTS_FIXED_POINT, kernel::WEIGHTS_ISOTROPIC]),
-        Correction::Border => files.push(kernel::WEIGHTS_BORDER),
-    }
-    files.push(kernel::PAIRS);
-    (files, overrides, bindings)
-}
-
-/// What one unordered pair adds to any word of a histogram, at most: the upper halves of sums count whole units.
-fn largest_addend(plan: &PairPlan) -> f64 {
-    let ratio = plan.bins.r_max() / plan.domain.shortest_side();
-    match plan.correction {
-        Correction::None => 1.0,
-        // Both of its points.
-        Correction::Border => 2.0,
-        // Of the differences along the axes only one exceeds r / sqrt(2), and none of the rest r / sqrt(3).
-        Correction::Translation => {
-            (1..=plan.domain.dim()).map(|k| 1.0 / (1.0 - ratio / (k as f64).sqrt()).max(1e-9)).product()
-        }
-        // A circle no wider than the window crosses at most two sides, which meet: a quarter of it is inside.
-        Correction::Isotropic if ratio <= 0.5 => 2.0 * 4.0,
-        Correction::Isotropic => 2.0 * 100.0,
-    }
-}
-
-/// How many pairs may be looked at before words of 32 bits overflow.
-fn pair_limit(plan: &PairPlan) -> u64 {
-    (f64::from(u32::MAX) / (1.001 * largest_addend(plan))) as u64
-}
-
-/// Why a plan cannot run on a device whose buffers hold `binding_bytes`.
-pub(super) fn supports(plan: &PairPlan, binding_bytes: u64) -> Result<(), String> {
-    if plan.masses {
-        return Err("weights of points are not computed on the GPU".into());
-    }
-    if pair_limit(plan) < LEAST_PAIRS {
-        let largest = largest_addend(plan);
-        return Err(format!("{} weights up to {largest:.0} are too large for sums on the GPU", plan.correction));
-    }
-    fits(plan.shape.max_points, plan.domain.dim(), binding_bytes)
-}
-
-fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
-    let bytes = points.saturating_mul(8 * dim as u64);
-    if bytes > binding_bytes || points > u64::from(u32::MAX) / 8 {
-        return Err(format!("{points} points need {bytes} bytes in one buffer, the device has {binding_bytes}"));
-    }
-    Ok(())
+/// Which pairs are looked at on this device.
+fn search(compute: &GpuCompute, plan: &PairPlan) -> PairSearch {
+    let beyond = plan.thresholds[plan.bins.len()];
+    let choose = || PairSearch::choose(&plan.domain, beyond, plan.shape.mean_points, &plan.filter, &SearchCosts::GPU);
+    let search = compute.tuning.search.unwrap_or_else(choose);
+    // Every device has buffers enough to look at all pairs; for cells there are some more.
+    let bindings = pair_specs::cell_pairs(plan, u32::MAX).bindings.len() as u32 - 1;
+    if bindings > compute.gpu().limits.max_storage_buffers_per_shader_stage { PairSearch::All } else { search }
 }
 
 pub(super) fn pair_counts(
@@ -164,60 +34,128 @@ pub(super) fn pair_counts(
     control: &Control,
 ) -> Result<PairCounts> {
     let gpu = compute.gpu();
-    let tuning: &Tuning = &compute.tuning;
-    let dim = plan.domain.dim();
-    let realizations = ensemble.realizations();
     let binding_bytes = gpu.limits.max_storage_buffer_binding_size;
-    let sizes: Vec<usize> = (0..realizations).map(|k| ensemble.points_in(k)).collect();
-    supports(plan, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
+    let sizes: Vec<usize> = (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).collect();
+    pair_specs::supports(plan, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
     let largest = sizes.iter().copied().max().unwrap_or(0);
-    fits(largest as u64, dim, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
+    pair_specs::fits(largest as u64, plan.domain.dim(), binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
 
-    let kernel = compute.kernel(spec(plan, gpu.limits.max_compute_workgroup_storage_size))?;
-    let tile = kernel.spec().overrides.iter().find(|o| o.0 == "TILE").map_or(1, |o| o.1);
-    let mut sums = Sums::new(plan, realizations);
-    let words = sums.layout.words as usize;
-    let buffer_bytes = tuning.buffer_bytes.min(binding_bytes);
-    let point_cap = (buffer_bytes / (8 * dim as u64)) as usize;
-    let histogram_cap = (buffer_bytes / (4 * words as u64)).max(1) as usize;
-    let pair_cap = tuning.pairs_per_dispatch.min(pair_limit(plan));
-    let work = dispatches(&sizes, tile, pair_cap, point_cap, histogram_cap);
+    let mut run = Run {
+        compute,
+        ensemble,
+        control,
+        sizes,
+        params: params(plan),
+        sums: Sums::new(plan, ensemble.realizations()),
+        under_way: None,
+        plan: &PairPlan { search: search(compute, plan), ..plan.clone() },
+    };
+    match run.plan.search {
+        PairSearch::All => run.all_pairs()?,
+        PairSearch::Cells(grid) => pair_cells::run(&mut run, grid)?,
+    }
+    Ok(run.sums.finish(compute.computed_by(), plan, ensemble))
+}
 
-    let mut params = params(plan);
-    let mut under_way = None;
-    let mut held: Option<(Range<usize>, Points)> = None;
-    gpu.guarded(NAME, || {
-        let tables = Tables::upload(compute, plan);
-        for dispatch in &work {
-            control.check()?;
-            let range = dispatch.realizations.clone();
-            // A large realization takes many dispatches; its points go up once.
-            if held.as_ref().is_none_or(|(r, _)| *r != range) {
-                drop(held.take());
-                held = Some((range.clone(), Points::upload(compute, plan, ensemble, &range)));
-            }
-            let Some((_, points)) = &held else { continue };
-            let jobs = gpu.upload("jobs", &dispatch.jobs, tuning.fill);
-            params.total_points = range.clone().map(|k| sizes[k]).sum::<usize>() as u32;
-            let params = gpu.uniform("params", &params);
-            let words = range.len() * words;
-            let histograms = gpu.scratch("histograms", 4 * words as u64, tuning.fill);
-            let mut encoder = gpu.encoder(NAME);
-            encoder.clear_buffer(&histograms, 0, None);
-            let buffers = tables.bind(&params, &jobs, points, &histograms);
-            kernel.dispatch(gpu, &mut encoder, &buffers, dispatch.jobs.len() as u32);
-            let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
-            // One submission ahead: the device has work while the host adds up.
-            if let Some((range, read)) = under_way.replace((range, read)) {
-                sums.add(range, &gpu.finish(read)?);
-            }
+/// One call at work.
+pub(super) struct Run<'a> {
+    pub(super) compute: &'a GpuCompute,
+    pub(super) plan: &'a PairPlan,
+    pub(super) ensemble: &'a Ensemble,
+    pub(super) control: &'a Control,
+    /// Points per realization.
+    pub(super) sizes: Vec<usize>,
+    params: PairParams,
+    sums: Sums,
+    /// The histograms on their way to the host, and whose they are.
+    under_way: Option<(Range<usize>, ReadBack)>,
+}
+
+/// What a buffer of the usual size holds, and a dispatch.
+pub(super) struct Caps {
+    pub(super) bytes: u64,
+    pub(super) points: usize,
+    pub(super) histograms: usize,
+    pub(super) pairs: u64,
+}
+
+impl Run<'_> {
+    pub(super) fn caps(&self) -> Caps {
+        let (tuning, limits) = (&self.compute.tuning, &self.compute.gpu().limits);
+        let bytes = tuning.buffer_bytes.min(limits.max_storage_buffer_binding_size);
+        Caps {
+            bytes,
+            points: (bytes / (8 * self.plan.domain.dim() as u64)) as usize,
+            histograms: (bytes / (4 * self.words() as u64)).max(1) as usize,
+            pairs: tuning.pairs_per_dispatch.min(pair_specs::pair_limit(self.plan)),
         }
-        if let Some((range, read)) = under_way {
-            sums.add(range, &gpu.finish(read)?);
+    }
+
+    fn words(&self) -> usize {
+        self.sums.layout.words as usize
+    }
+
+    fn all_pairs(&mut self) -> Result<()> {
+        let gpu = self.compute.gpu();
+        let limit = gpu.limits.max_compute_workgroup_storage_size;
+        let kernel = self.compute.kernel(pair_specs::all_pairs(self.plan, limit))?;
+        let tile = kernel.spec().overrides.iter().find(|o| o.0 == "TILE").map_or(1, |o| o.1);
+        let caps = self.caps();
+        let mut held: Option<(Range<usize>, Points)> = None;
+        gpu.guarded(NAME, || {
+            let tables = Tables::upload(self.compute, self.plan);
+            for dispatch in dispatches(&self.sizes, tile, caps.pairs, caps.points, caps.histograms) {
+                self.control.check()?;
+                let range = dispatch.realizations.clone();
+                // A large realization takes many dispatches; its points go up once.
+                if held.as_ref().is_none_or(|(r, _)| *r != range) {
+                    drop(held.take());
+                    held = Some((range.clone(), Points::upload(self.compute, self.plan, self.ensemble, &range)));
+                }
+                let Some((_, points)) = &held else { continue };
+                let jobs = gpu.upload("jobs", &dispatch.jobs, self.compute.tuning.fill);
+                self.submit(&kernel, &tables, range, points, [&jobs].as_slice(), dispatch.jobs.len() as u32)?;
+            }
+            self.finish()
+        })
+    }
+
+    /// Submits jobs on `points`, which are those of `range`. `jobs` and what else the kernel reads.
+    pub(super) fn submit(
+        &mut self,
+        kernel: &Kernel,
+        tables: &Tables,
+        range: Range<usize>,
+        points: &Points,
+        jobs: &[&wgpu::Buffer],
+        groups: u32,
+    ) -> Result<()> {
+        let (gpu, fill) = (self.compute.gpu(), self.compute.tuning.fill);
+        self.params.total_points = self.sizes[range.clone()].iter().sum::<usize>() as u32;
+        let params = gpu.uniform("params", &self.params);
+        let words = range.len() * self.words();
+        let histograms = gpu.scratch("histograms", 4 * words as u64, fill);
+        let mut encoder = gpu.encoder(NAME);
+        encoder.clear_buffer(&histograms, 0, None);
+        let first = [&params, jobs[0], &points.rounded, &points.exact, &tables.thresholds, &histograms];
+        let rest = tables.bins.iter().chain(&points.depths).chain(jobs[1..].iter().copied());
+        let buffers: Vec<_> = first.into_iter().chain(rest).collect();
+        kernel.dispatch(gpu, &mut encoder, &buffers, groups);
+        let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
+        // One submission ahead: the device has work while the host adds up.
+        if let Some((range, read)) = self.under_way.replace((range, read)) {
+            self.sums.add(range, &gpu.finish(read)?);
         }
         Ok(())
-    })?;
-    Ok(sums.finish(compute, plan, ensemble))
+    }
+
+    /// Waits for the last submission.
+    pub(super) fn finish(&mut self) -> Result<()> {
+        if let Some((range, read)) = self.under_way.take() {
+            self.sums.add(range, &self.compute.gpu().finish(read)?);
+        }
+        Ok(())
+    }
 }
 
 /// The numbers of a plan that every dispatch shares.
@@ -244,14 +182,14 @@ fn params(plan: &PairPlan) -> PairParams {
 }
 
 /// What a plan puts into buffers.
-struct Tables {
+pub(super) struct Tables {
     thresholds: wgpu::Buffer,
     /// Cells and bounds of a table of bins.
     bins: Vec<wgpu::Buffer>,
 }
 
 impl Tables {
-    fn upload(compute: &GpuCompute, plan: &PairPlan) -> Self {
+    pub(super) fn upload(compute: &GpuCompute, plan: &PairPlan) -> Self {
         let (gpu, fill) = (compute.gpu(), compute.tuning.fill);
         let limbs = |t: &u128| -> [u32; 4] { std::array::from_fn(|k| (t >> (32 * k)) as u32) };
         let thresholds: Vec<[u32; 4]> = plan.thresholds.iter().map(limbs).collect();
@@ -265,32 +203,20 @@ impl Tables {
         };
         Self { thresholds: gpu.upload("thresholds", &thresholds, fill), bins }
     }
-
-    /// The buffers of a dispatch in the order of `PAIR_LINEAR` and its kin.
-    fn bind<'a>(
-        &'a self,
-        params: &'a wgpu::Buffer,
-        jobs: &'a wgpu::Buffer,
-        points: &'a Points,
-        histograms: &'a wgpu::Buffer,
-    ) -> Vec<&'a wgpu::Buffer> {
-        let first = [params, jobs, &points.rounded, &points.exact, &self.thresholds, histograms];
-        first.into_iter().chain(&self.bins).chain(&points.depths).collect()
-    }
 }
 
 /// Points of several realizations.
-struct Points {
+pub(super) struct Points {
     /// Positions rounded to 32 bits, axis by axis.
-    rounded: wgpu::Buffer,
+    pub(super) rounded: wgpu::Buffer,
     /// Positions, axis by axis.
-    exact: wgpu::Buffer,
+    pub(super) exact: wgpu::Buffer,
     /// Bins whose upper edge is at most the distance from the border, for minus sampling.
-    depths: Option<wgpu::Buffer>,
+    pub(super) depths: Option<wgpu::Buffer>,
 }
 
 impl Points {
-    fn upload(compute: &GpuCompute, plan: &PairPlan, ensemble: &Ensemble, range: &Range<usize>) -> Self {
+    pub(super) fn upload(compute: &GpuCompute, plan: &PairPlan, ensemble: &Ensemble, range: &Range<usize>) -> Self {
         let (mut short, mut long) = (Vec::new(), Vec::new());
         let points =
             if range.is_empty() { 0..0 } else { ensemble.range(range.start).start..ensemble.range(range.end - 1).end };
@@ -311,77 +237,11 @@ impl Points {
     }
 }
 
-/// Per point of a realization, the number of bins whose upper edge is at most its distance from the border.
-fn depths(plan: &PairPlan, axes: &[&[u64]]) -> Vec<u32> {
-    let sides = plan.domain.side_steps();
-    let depth = |i| reference::depth(&plan.thresholds, reference::border_distance(axes, sides, i)) as u32;
-    (0..axes[0].len()).map(depth).collect()
-}
-
 /// The nearest multiple of 2^32, modulo the period (0 stands for 2^64), in units of 2^32.
 fn rounded(position: u64, period: u64) -> u32 {
     let round = |v: u64| (v.wrapping_add(1 << 31) >> 32) as u32;
     let (position, period) = (round(position), round(period));
     if position == period { 0 } else { position }
-}
-
-/// What all dispatches counted, realization by realization.
-struct Sums {
-    layout: Layout,
-    sums: Vec<u128>,
-}
-
-impl Sums {
-    fn new(plan: &PairPlan, realizations: usize) -> Self {
-        let layout = Layout::new(plan);
-        Self { sums: vec![0; realizations * layout.values()], layout }
-    }
-
-    /// Adds the histograms of one dispatch.
-    fn add(&mut self, realizations: Range<usize>, found: &[u32]) {
-        let (plain, values) = (self.layout.plain(), self.layout.values());
-        for (k, words) in realizations.zip(found.chunks_exact(self.layout.words as usize)) {
-            let sums = &mut self.sums[k * values..(k + 1) * values];
-            for (word, sum) in sums.iter_mut().enumerate() {
-                *sum += u128::from(words[word]);
-                if word >= plain {
-                    *sum += u128::from(words[word + self.layout.sums as usize]) << 32;
-                }
-            }
-        }
-    }
-
-    fn finish(self, compute: &GpuCompute, plan: &PairPlan, ensemble: &Ensemble) -> PairCounts {
-        let bins = plan.bins.len();
-        let mut counts = PairCounts::new(compute.computed_by(), plan);
-        let realizations = self.sums.chunks_exact(self.layout.values()).enumerate();
-        for (k, (pairs, rest)) in realizations.map(|(k, sums)| (k, sums.split_at(bins))) {
-            // Each unordered pair is two ordered ones.
-            let ordered: Vec<u64> = pairs.iter().map(|&c| 2 * c as u64).collect();
-            // Excesses over a weight of 1: of both orders together, or of either.
-            let weights = |orders: u128| {
-                let excess = rest.iter().map(|e| orders * e);
-                ordered.iter().zip(excess).map(|(&c, e)| (u128::from(c) << 32) + e).collect()
-            };
-            let weights = match plan.correction {
-                Correction::Translation => Some(weights(2)),
-                Correction::Isotropic => Some(weights(1)),
-                Correction::None | Correction::Border => None,
-            };
-            let border = plan.border().then(|| {
-                let mut points = vec![0; bins];
-                for depth in depths(plan, &ensemble.lengths(k)) {
-                    points[..depth as usize].iter_mut().for_each(|p| *p += 1);
-                }
-                let (counts, ends) = rest.split_at(bins);
-                let small = |sums: &[u128]| sums.iter().map(|&c| c as u64).collect();
-                BorderHistogram { counts: small(counts), ends: small(ends), points }
-            });
-            let n = ensemble.points_in(k) as u64;
-            counts.add(&PairHistogram { border, ..PairHistogram::new(n, ordered, weights) });
-        }
-        counts
-    }
 }
 
 #[cfg(test)]
