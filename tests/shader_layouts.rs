@@ -7,13 +7,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use common::*;
 use pairwave::compute::gpu::params::{Access, StructLayout, struct_layouts};
-use pairwave::compute::gpu::{KernelSpec, pair_kernel, probe_kernel, wave_kernels};
+use pairwave::compute::gpu::{KernelSpec, cell_kernels, pair_kernel, probe_kernel, wave_kernels};
 use pairwave::plan::WaveGrid;
 
 fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
     let cases = pair_cases(20).into_iter().chain(corrected_cases(20));
-    specs.extend(cases.map(|case| pair_kernel(&case.plan, 32 << 10)));
+    for case in cases {
+        specs.push(pair_kernel(&case.plan, 32 << 10));
+        specs.extend(cell_kernels(&case.plan, 32 << 10));
+    }
     specs.extend(wave_kernels(&WaveGrid::new(&[4, 4]).unwrap()));
     specs
 }
