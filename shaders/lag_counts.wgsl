@@ -11,8 +11,6 @@ override WORKGROUP: u32 = 256u;
 override DIM: u32 = 2u;
 // Bins per axis
 override AXIS_BINS: u32 = 64u;
-// AXIS_BINS^DIM
-override BINS: u32 = 4096u;
 // DIM * WORKGROUP
 override TILE_WORDS: u32 = 512u;
 // 1 in a window, 0 on a torus
@@ -24,10 +22,10 @@ const UNDECIDED: u32 = 0x80000000u;
 
 struct LagParams {
     // Periods of the axes in steps of length_unit / 2^32, rounded; 0 stands for 2^32.
-    period_rounded: vec4<u32>,
+    side_rounded: vec4<u32>,
     // Periods in steps of length_unit / 2^64; 0 stands for 2^64.
-    period_low: vec4<u32>,
-    period_high: vec4<u32>,
+    side_low: vec4<u32>,
+    side_high: vec4<u32>,
     // The first threshold of each axis, modulo 2^64, and the last lag within the grid counted from it.
     first_low: vec4<u32>,
     first_high: vec4<u32>,
@@ -138,14 +136,14 @@ fn settle(i: u32, j: u32) -> u32 {
 // 0, and on a torus half a period.
 fn own_negative(lag: vec2<u32>, axis: u32) -> bool {
     if (all(lag == vec2<u32>(0u))) { return true; }
-    let period = vec2<u32>(params.period_low[axis], params.period_high[axis]);
+    let period = vec2<u32>(params.side_low[axis], params.side_high[axis]);
     return WINDOW == 0u && all(wide_add(wide_add(lag, lag), period) == vec2<u32>(0u));
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let job = jobs[group.x];
-    let first_word = job.histogram * BINS;
+    let first_word = job.histogram * WORDS;
     histogram_clear(lane);
 
     let tiles = (job.points + WORKGROUP - 1u) / WORKGROUP;

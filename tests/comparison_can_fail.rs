@@ -3,8 +3,10 @@
 mod common;
 
 use common::*;
+use pairwave::accumulate::PairCounts;
 use pairwave::compute::{Backend, ComputedBy, Control};
-use pairwave::plan::{Accuracy, Correction, RadialBins};
+use pairwave::plan::{Accuracy, Correction, GPU_WEIGHT_BOUND, PairPlan, PairSettings, RadialBins};
+use pairwave::points::Domain;
 
 fn as_if_by_cpu(computed_by: &mut ComputedBy) {
     *computed_by = ComputedBy::new(Backend::Cpu, "planted");
@@ -33,6 +35,30 @@ fn a_moved_edge_is_caught() {
     let mut moved = at(0.5 - 1e-12);
     as_if_by_cpu(&mut moved.computed_by);
     assert!(counts_agree(&moved, &at(0.5)).is_err(), "lattice distances sit on the edges: 1e-12 moves them");
+}
+
+#[test]
+fn a_weight_beyond_the_bound_and_a_moved_pair_beside_weights_are_caught() {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 2.0)]).unwrap();
+    let ensemble = ensemble_in(&window, &[uniform(2, 200, 1)]);
+    let settings = PairSettings { cumulative: true, ..Correction::Translation.into() };
+    let bins = RadialBins::linear(0.4, 20).unwrap();
+    let plan = PairPlan::new(&window, bins, settings, shape(&ensemble)).unwrap();
+    let truth = reference_counts(&plan, &ensemble);
+    assert!(weight_error(&truth, &truth).is_err(), "reference against reference compares nothing");
+    let mut other = truth.clone();
+    as_if_by_cpu(&mut other.computed_by);
+    assert_eq!(weight_error(&other, &truth), Ok(0.0), "equal sums pass");
+    let planted = |change: &dyn Fn(&mut PairCounts)| {
+        let mut planted = other.clone();
+        change(&mut planted);
+        weight_error(&planted, &truth)
+    };
+    let off = |sum: &mut u128| *sum += *sum * 3 / 1_000_000;
+    assert!(planted(&|c| off(&mut c.bins.sums[7])).unwrap() > GPU_WEIGHT_BOUND, "a sum off by 3e-6");
+    assert!(planted(&|c| off(&mut c.cumulative.as_mut().unwrap().sums[19])).unwrap() > GPU_WEIGHT_BOUND);
+    assert!(planted(&|c| c.counts[3] += 1).is_err(), "a pair too many");
+    assert!(planted(&|c| c.bins.norms[0][0].sum += 1).is_err(), "another norm");
 }
 
 #[test]

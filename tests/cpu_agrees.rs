@@ -10,7 +10,7 @@ use pairwave::Error;
 use pairwave::accumulate::{LEAF, WavePower};
 use pairwave::compute::cpu::{Cpu, SimdLevel};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins};
+use pairwave::plan::{Accuracy, Correction, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts};
 use pairwave::points::{Domain, Ensemble};
 
 /// The native path with each instruction set this processor has.
@@ -25,7 +25,7 @@ fn cpu(threads: usize) -> Cpu {
     Cpu::new(Some(threads)).unwrap()
 }
 
-fn counts_are_equal(name: &str, plan: &pairwave::plan::PairPlan, ensemble: &Ensemble) {
+fn counts_are_equal(name: &str, plan: &PairPlan, ensemble: &Ensemble) {
     let truth = reference_counts(plan, ensemble);
     for cpu in levels() {
         let counts = cpu.pair_counts(plan, ensemble, &Control::default()).unwrap();
@@ -37,6 +37,64 @@ fn counts_are_equal(name: &str, plan: &pairwave::plan::PairPlan, ensemble: &Ense
 fn counts_equal_the_reference() {
     for case in pair_cases(700) {
         counts_are_equal(&case.name, &case.plan, &case.ensemble);
+    }
+}
+
+/// Every search a plan can choose from, and finer cells than it would.
+fn forced_searches(plan: &PairPlan) -> Vec<PairPlan> {
+    let finer = SearchCosts { cells_per_point: 4.0, max_reach: 4, ..SearchCosts::CPU };
+    let searches = [SearchCosts::CPU, finer].into_iter().flat_map(|costs| plan.searches(&costs)).map(|s| s.search);
+    searches.map(|search| PairPlan { search, ..plan.clone() }).collect()
+}
+
+/// All searches of all cases, and short ranges of them, where there are many cells.
+#[test]
+fn every_search_finds_the_same_pairs() {
+    let mut cells = 0;
+    for case in pair_cases(400) {
+        let domain = case.ensemble.domain();
+        let mut plans = vec![case.plan.clone()];
+        for (part, bins) in [(0.25, 5), (0.1, 10), (0.02, 3)] {
+            let bins = RadialBins::linear(part * domain.shortest_side(), bins).unwrap();
+            plans.push(pair_plan(&case.ensemble, bins, Correction::None));
+            if !domain.is_torus() {
+                let bins = RadialBins::logarithmic(0.01 * part, part * domain.shortest_side(), 5).unwrap();
+                plans.push(pair_plan(&case.ensemble, bins, Correction::Translation));
+            }
+        }
+        for plan in plans {
+            let truth = reference_counts(&plan, &case.ensemble);
+            for forced in forced_searches(&plan) {
+                cells += usize::from(forced.search != PairSearch::All);
+                let counts = cpu(2).pair_counts(&forced, &case.ensemble, &Control::default()).unwrap();
+                let name = format!("{}, r < {}, {}", case.name, plan.bins.r_max(), forced.search);
+                assert_counts_equal(&name, &counts, &truth);
+            }
+        }
+    }
+    assert!(cells > 500, "only {cells} cases with cells");
+}
+
+/// Lattices whose points lie on the sides of cells and whose distances lie on edges, with `r_max` at what just fits the
+/// cells and one step to either side of it.
+#[test]
+fn cells_are_exact_at_their_limits() {
+    for dim in 1..=3 {
+        let k = [60, 20, 9][dim - 1];
+        for domain in [Domain::unit_torus(dim), Domain::window(&vec![(0.0, 1.0); dim]).unwrap()] {
+            let ensemble = ensemble_in(&domain, &[lattice(dim, k)]);
+            for cells in [3.0, 5.0, 9.0, k as f64 / 2.0] {
+                for step in [-1i64, 0, 1] {
+                    let r = f64::from_bits((1f64 / cells).to_bits().wrapping_add_signed(step));
+                    let plan = pair_plan(&ensemble, RadialBins::linear(r, 4).unwrap(), Correction::None);
+                    let truth = reference_counts(&plan, &ensemble);
+                    for forced in forced_searches(&plan) {
+                        let counts = cpu(1).pair_counts(&forced, &ensemble, &Control::default()).unwrap();
+                        assert_counts_equal(&format!("{dim}D, r_max {r:e}, {}", forced.search), &counts, &truth);
+                    }
+                }
+            }
+        }
     }
 }
 

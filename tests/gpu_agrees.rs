@@ -11,7 +11,9 @@ use common::*;
 use pairwave::Error;
 use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins};
+use pairwave::plan::{
+    Accuracy, CellGrid, Correction, EnsembleShape, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts,
+};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// A device of one's own, or `None` where there is no driver and a person said that this is fine.
@@ -66,6 +68,151 @@ fn counts_are_equal() {
         let here = gpu.pair_counts(&case.plan, &case.ensemble, &go()).unwrap();
         assert_counts_equal(&case.name, &here, &reference_counts(&case.plan, &case.ensemble));
     }
+}
+
+/// Counts and minus sampling are equal, sums of weights within their bound.
+fn agree_with_the_reference(gpu: &GpuCompute, case: &PairCase) -> f64 {
+    let here = gpu.pair_counts(&case.plan, &case.ensemble, &go()).unwrap();
+    let truth = reference_counts(&case.plan, &case.ensemble);
+    if case.plan.weighted() {
+        return assert_weights_within(&case.name, &here, &truth);
+    }
+    assert_counts_equal(&case.name, &here, &truth);
+    0.0
+}
+
+#[test]
+fn corrected_sums_agree() {
+    let Some(gpu) = shared("corrections") else { return };
+    let mut worst = 0f64;
+    for case in corrected_cases(300) {
+        assert_eq!(gpu.supports_pair_counts(&case.plan), Ok(()), "{}", case.name);
+        worst = worst.max(agree_with_the_reference(gpu, &case));
+    }
+    println!("worst of all: {worst:.1e}");
+    assert!(worst > 0.0, "f32 weights that equal f64 ones compare nothing");
+}
+
+#[test]
+fn corrected_sums_are_the_same_bytes_however_the_work_is_cut() {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 2.0)]).unwrap();
+    let ensemble = ensemble_in(&window, &[uniform(2, 900, 1), uniform(2, 1, 2), clustered(2, 300, 3)]);
+    for correction in [Correction::Translation, Correction::Isotropic, Correction::Border] {
+        // As many bins as fit into workgroup memory, and more.
+        for bins in [40, 9000] {
+            let plan = pair_plan(&ensemble, RadialBins::linear(0.49, bins).unwrap(), correction);
+            let Some(gpu) = shared("cuts") else { return };
+            let once = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+            assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{correction}, again");
+            let Some(gpu) = open("cuts") else { return };
+            let gpu = gpu.with_tuning(|t| (t.pairs_per_dispatch, t.fill) = (1, Fill::Poison));
+            assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{correction}, cut");
+        }
+    }
+}
+
+/// Ensembles with pairs at short distances only, for cells: points on their borders, crowded and empty cells, and
+/// realizations of 0 and 1 points.
+fn cell_cases() -> Vec<PairCase> {
+    let mut cases = Vec::new();
+    let mut add = |name: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins, correction: Correction| {
+        let ensemble = ensemble_in(domain, sets);
+        let settings = PairSettings { cumulative: true, ..correction.into() };
+        let plan = PairPlan::new(domain, bins, settings, shape(&ensemble)).unwrap();
+        cases.push(PairCase { name: format!("{name}, {correction}, {}D", domain.dim()), ensemble, plan });
+    };
+    let linear = |r: f64, bins: usize| RadialBins::linear(r, bins).unwrap();
+    for dim in 1..=3 {
+        let torus = Domain::unit_torus(dim);
+        let k = 500f64.powf(1.0 / dim as f64).round() as usize;
+        let sets = [
+            uniform(dim, 0, 1),
+            uniform(dim, 600, 2),
+            uniform(dim, 1, 3),
+            lattice(dim, k),
+            clustered(dim, 300, 4),
+            uniform(dim, 40, 5),
+        ];
+        add("torus", &torus, &sets, linear(0.125, 40), Correction::None);
+        let unequal = Domain::torus(&[0.7, 2.5, 1.0][..dim]).unwrap();
+        let bins = RadialBins::logarithmic(1e-3, 0.1, 24).unwrap();
+        add("unequal sides", &unequal, &sets, bins, Correction::None);
+        let window = Domain::window(&[(-1.0, 2.0), (0.5, 1.75), (10.0, 12.2)][..dim]).unwrap();
+        let r = 0.21 * window.shortest_side();
+        for correction in [Correction::None, Correction::Translation, Correction::Isotropic, Correction::Border] {
+            if dim < 3 || correction != Correction::Isotropic {
+                add("window", &window, &sets, linear(r, 30), correction);
+            }
+        }
+    }
+    // More rows than a workgroup holds, and more partners than a task takes.
+    let unit = Domain::unit_torus(2);
+    add("one crowded cell", &unit, &[coincident(2, 1500), uniform(2, 200, 6)], linear(0.1, 20), Correction::None);
+    cases
+}
+
+#[test]
+fn cells_find_the_same_pairs() {
+    let Some(mut gpu) = open("cells") else { return };
+    let mut grids = 0;
+    for case in cell_cases() {
+        let PairCase { name, ensemble, plan } = &case;
+        let truth = reference_counts(plan, ensemble);
+        let beyond = plan.thresholds[plan.bins.len()];
+        gpu = gpu.with_tuning(|t| t.search = Some(PairSearch::All));
+        let all = gpu.pair_counts(plan, ensemble, &go()).unwrap();
+        let searches = [(1, 1e5), (2, 1e5), (3, 50.0)]
+            .into_iter()
+            .filter_map(|(reach, most)| CellGrid::new(ensemble.domain(), beyond, reach, most).map(PairSearch::Cells));
+        for search in searches {
+            gpu = gpu.with_tuning(|t| t.search = Some(search));
+            let here = gpu.pair_counts(plan, ensemble, &go()).unwrap();
+            let name = format!("{name}, {search}");
+            if plan.weighted() {
+                assert_weights_within(&name, &here, &truth);
+            } else {
+                assert_counts_equal(&name, &here, &truth);
+            }
+            assert_eq!(here, all, "{name}: bytes, not only values");
+            grids += 1;
+        }
+    }
+    assert!(grids > 30, "only {grids} grids");
+}
+
+#[test]
+fn cells_give_the_same_bytes_however_the_work_is_cut() {
+    let sets = [uniform(2, 500, 1), clustered(2, 300, 2), uniform(2, 0, 3), lattice(2, 16)];
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 2.0)]).unwrap();
+    let ensemble = ensemble_in(&window, &sets);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.2, 30).unwrap(), Correction::Isotropic);
+    let beyond = plan.thresholds[plan.bins.len()];
+    let grid = CellGrid::new(&window, beyond, 1, 1e4).unwrap();
+    let Some(gpu) = open("cut cells") else { return };
+    let mut gpu = gpu.with_tuning(|t| t.search = Some(PairSearch::Cells(grid)));
+    let once = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+    for (pairs, bytes) in [(1 << 31, 64 << 20), (1, 64 << 20), (1 << 12, 2000), (1 << 31, 1)] {
+        gpu = gpu.with_tuning(|t| {
+            (t.pairs_per_dispatch, t.buffer_bytes, t.fill) = (pairs, bytes, Fill::Poison);
+        });
+        assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{pairs} pairs, {bytes} bytes");
+    }
+}
+
+/// What is chosen by estimate: cells for many points and short distances, all pairs else.
+#[test]
+fn cells_are_chosen_where_they_are_faster() {
+    let searched = |n: f64, r: f64| {
+        let torus = Domain::unit_torus(2);
+        let shape = EnsembleShape { realizations: 1, mean_points: n, max_points: n as u64 };
+        let plan = PairPlan::new(&torus, RadialBins::linear(r, 256).unwrap(), Correction::None, shape).unwrap();
+        let beyond = plan.thresholds[256];
+        PairSearch::choose(&torus, beyond, n, &plan.filter, &SearchCosts::GPU)
+    };
+    assert!(matches!(searched(1e6, 0.05), PairSearch::Cells(_)));
+    assert!(matches!(searched(1e5, 0.01), PairSearch::Cells(_)));
+    assert_eq!(searched(1e6, 0.5), PairSearch::All);
+    assert_eq!(searched(1e3, 0.05), PairSearch::All);
 }
 
 #[test]
@@ -399,9 +546,16 @@ fn what_is_not_done_here_is_said() {
     let ensemble = ensemble_in(&window, &[uniform(2, 50, 1)]);
     let plain = pair_plan(&ensemble, RadialBins::linear(0.4, 8).unwrap(), Correction::None);
     assert_eq!(gpu.supports_pair_counts(&plain), Ok(()));
-    let weighted = pair_plan(&ensemble, RadialBins::linear(0.4, 8).unwrap(), Correction::Translation);
-    assert!(gpu.supports_pair_counts(&weighted).unwrap_err().contains("translation"));
-    assert!(gpu.pair_counts(&weighted, &ensemble, &go()).is_err());
+    let bins = |r: f64| RadialBins::linear(r, 8).unwrap();
+    // Weights that grow without bound, and weights of points.
+    let steep = pair_plan(&ensemble, bins(0.999), Correction::Translation);
+    assert!(gpu.supports_pair_counts(&steep).unwrap_err().contains("translation weights up to"));
+    let settings = PairSettings { masses: true, ..Correction::None.into() };
+    let masses = PairPlan::new(&window, bins(0.4), settings, shape(&ensemble)).unwrap();
+    assert!(gpu.supports_pair_counts(&masses).unwrap_err().contains("weights of points"));
+    for plan in [steep, masses] {
+        assert!(gpu.pair_counts(&plan, &ensemble, &go()).is_err());
+    }
     assert_eq!(gpu.supports_wave_power(&wave_plan(&ensemble, &[4, 4], Accuracy::Fast)), Ok(()));
     let high = wave_plan(&ensemble, &[4, 4], Accuracy::High);
     assert!(gpu.supports_wave_power(&high).unwrap_err().contains("f64"));

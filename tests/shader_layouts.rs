@@ -7,12 +7,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use common::*;
 use pairwave::compute::gpu::params::{Access, StructLayout, struct_layouts};
-use pairwave::compute::gpu::{KernelSpec, lag_kernel, pair_kernel, probe_kernel, wave_kernels};
+use pairwave::compute::gpu::{KernelSpec, cell_kernels, lag_kernel, pair_kernel, probe_kernel, wave_kernels};
 use pairwave::plan::WaveGrid;
 
 fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
-    specs.extend(pair_cases(20).iter().map(|case| pair_kernel(&case.plan, 32 << 10)));
+    for case in pair_cases(20).into_iter().chain(corrected_cases(20)) {
+        specs.push(pair_kernel(&case.plan, 32 << 10));
+        specs.extend(cell_kernels(&case.plan, 32 << 10));
+    }
     specs.extend(lag_cases(20).iter().map(|case| lag_kernel(&case.plan, 32 << 10)));
     specs.extend(wave_kernels(&WaveGrid::new(&[4, 4]).unwrap()));
     specs

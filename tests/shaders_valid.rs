@@ -9,7 +9,9 @@ use std::path::Path;
 
 use common::*;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use pairwave::compute::gpu::{KernelSpec, SHADER_FILES, lag_kernel, pair_kernel, probe_kernel, wave_kernels};
+use pairwave::compute::gpu::{
+    KernelSpec, SHADER_FILES, cell_kernels, lag_kernel, pair_kernel, probe_kernel, wave_kernels,
+};
 use pairwave::plan::{Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid};
 use pairwave::points::Domain;
 
@@ -19,8 +21,9 @@ const WORKGROUP_BYTES: [u32; 2] = [16 << 10, 32 << 10];
 /// Every kernel for every choice that plans make.
 fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
-    for case in pair_cases(60) {
+    for case in pair_cases(60).into_iter().chain(corrected_cases(60)) {
         specs.extend(WORKGROUP_BYTES.map(|bytes| pair_kernel(&case.plan, bytes)));
+        specs.extend(WORKGROUP_BYTES.map(|bytes| cell_kernels(&case.plan, bytes)).into_iter().flatten());
     }
     for case in lag_cases(20) {
         specs.extend(WORKGROUP_BYTES.map(|bytes| lag_kernel(&case.plan, bytes)));
@@ -37,6 +40,7 @@ fn specs() -> Vec<KernelSpec> {
                 for bins in [linear, log] {
                     let plan = PairPlan::new(domain, bins, Correction::None, shape).unwrap();
                     specs.extend(WORKGROUP_BYTES.map(|bytes| pair_kernel(&plan, bytes)));
+                    specs.extend(WORKGROUP_BYTES.map(|bytes| cell_kernels(&plan, bytes)).into_iter().flatten());
                 }
             }
         }
@@ -134,10 +138,12 @@ fn every_kernel_is_valid_and_portable() {
 
 #[test]
 fn workgroup_memory_follows_the_smaller_limit() {
-    for case in pair_cases(60) {
+    for case in pair_cases(60).into_iter().chain(corrected_cases(60)) {
         for bytes in WORKGROUP_BYTES {
-            let used = pair_kernel(&case.plan, bytes).workgroup_bytes().unwrap();
-            assert!(used <= bytes, "{}: {used} of {bytes} bytes", case.name);
+            for kernel in [pair_kernel(&case.plan, bytes)].into_iter().chain(cell_kernels(&case.plan, bytes)) {
+                let used = kernel.workgroup_bytes().unwrap();
+                assert!(used <= bytes, "{}: {used} of {bytes} bytes", case.name);
+            }
         }
     }
     for case in lag_cases(20) {

@@ -45,3 +45,30 @@ fn wide_add_128(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
 fn wide_less_128(a: vec4<u32>, b: vec4<u32>) -> bool {
     return wide_less(a.zw, b.zw) || (all(a.zw == b.zw) && wide_less(a.xy, b.xy));
 }
+
+fn wide_sub_128(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+    let borrow = select(0u, 1u, wide_less(a.xy, b.xy));
+    return vec4<u32>(wide_sub(a.xy, b.xy), wide_sub(wide_sub(a.zw, b.zw), vec2<u32>(borrow, 0u)));
+}
+
+// The nearest f32, or a neighbour of it.
+fn wide_f32(a: vec2<u32>) -> f32 {
+    return f32(a.y) * 4294967296.0 + f32(a.x);
+}
+
+fn wide_f32_128(a: vec4<u32>) -> f32 {
+    return wide_f32(a.zw) * 18446744073709551616.0 + wide_f32(a.xy);
+}
+
+// The full product of two 64-bit integers.
+fn wide_product_128(a: vec2<u32>, b: vec2<u32>) -> vec4<u32> {
+    let outer = vec4<u32>(wide_product(a.x, b.x), wide_product(a.y, b.y));
+    let first = wide_add_128(outer, vec4<u32>(0u, wide_product(a.x, b.y), 0u));
+    return wide_add_128(first, vec4<u32>(0u, wide_product(a.y, b.x), 0u));
+}
+
+// The lower half of a 64-bit integer shifted right by 1 to 63 bits.
+fn wide_shift_right(a: vec2<u32>, bits: u32) -> u32 {
+    if (bits >= 32u) { return a.y >> (bits - 32u); }
+    return (a.x >> bits) | (a.y << (32u - bits));
+}

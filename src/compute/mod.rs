@@ -4,6 +4,7 @@
 //! - `gpu`: WGSL; the only folder that names wgpu.
 
 mod binned_kernel;
+pub(crate) mod cells;
 pub mod cpu;
 mod device_choice;
 mod fallback;

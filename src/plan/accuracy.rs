@@ -28,6 +28,10 @@ pub struct PowerBound {
     pub lattice_zero: f64,
 }
 
+/// Largest relative error of a sum of edge weights on the GPU, where weights are f32 and added without rounding: each weight
+/// keeps this bound, so does every sum. Counts beside them, and minus sampling, are exact. The CPU path equals the reference.
+pub const GPU_WEIGHT_BOUND: f64 = 2e-6;
+
 impl PowerBound {
     /// `max |P - P_ref| / (1 + P_ref)` for any n points.
     pub fn max_any(&self, n: f64) -> f64 {

@@ -3,22 +3,26 @@
 mod accuracy;
 mod bandwidth;
 mod bin_filter;
+mod cell_grid;
 mod kernel_plan;
 mod lag_plan;
 mod pair_plan;
+mod pair_search;
 mod radial_bins;
 mod ring_measure;
 mod smoothing;
 mod wave_grid;
 mod wave_plan;
 
-pub use accuracy::{Accuracy, PowerBound};
+pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
 pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
+pub use cell_grid::{CellAxis, CellGrid, StencilRow};
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelPlan, KernelRoad};
 pub use lag_plan::{LagFilter, LagGrid, LagPlan, MAX_LAG_BINS, MAX_LAG_CELLS, RingSector};
-pub use pair_plan::{CellGrid, Correction, PairPlan, PairSearch, PairSettings};
+pub use pair_plan::{Correction, PairPlan, PairSettings};
+pub use pair_search::{PairSearch, SearchCosts, SearchEstimate};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
 pub use wave_grid::{MAX_FREQUENCY, Rings, WaveGrid};

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::ring_measure::ring_measure;
-use super::{Batch, BinFilter, EnsembleShape, RadialBins};
+use super::{Batch, BinFilter, EnsembleShape, PairSearch, RadialBins, SearchCosts, SearchEstimate};
 use crate::error::{Error, Result, number};
 use crate::points::Domain;
 
@@ -41,25 +41,6 @@ impl From<Correction> for PairSettings {
     }
 }
 
-/// Which pairs are looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub enum PairSearch {
-    /// All of them.
-    All,
-    /// Those of points in cells near each other.
-    Cells(CellGrid),
-}
-
-/// Cells of equal size over the box, so large that pairs closer than the last edge are at most `reach` cells apart on
-/// every axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub struct CellGrid {
-    /// Cells per axis; 1 on axes beyond the dimension.
-    pub cells: [u32; 3],
-    /// How many cells away a partner may be.
-    pub reach: u32,
-}
-
 impl fmt::Display for Correction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -88,7 +69,7 @@ pub struct PairPlan {
     pub cumulative: bool,
     /// Whether points have weights.
     pub masses: bool,
-    /// Which pairs are looked at.
+    /// Which pairs are looked at: by default what suits the CPU (`PairSearch::choose`).
     pub search: PairSearch,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
@@ -112,7 +93,8 @@ impl PairPlan {
         // Points (three u64 axes twice) and a histogram with weights per realization.
         let bytes = shape.max_points * 48 + bins.len() as u64 * 40;
         let batch = Batch::new(shape.realizations, bytes);
-        let search = PairSearch::All;
+        let beyond = thresholds[bins.len()];
+        let search = PairSearch::choose(domain, beyond, shape.mean_points, &filter, &SearchCosts::CPU);
         let domain = domain.clone();
         Ok(Self { domain, bins, thresholds, filter, correction, cumulative, masses, search, shape, batch })
     }
@@ -143,7 +125,13 @@ impl PairPlan {
         self.correction == Correction::Border
     }
 
-    /// Unordered pairs looked at in all realizations.
+    /// Every search there is to choose from, as it would be on a device with these costs: per realization.
+    pub fn searches(&self, costs: &SearchCosts) -> Vec<SearchEstimate> {
+        let beyond = self.thresholds[self.bins.len()];
+        PairSearch::alternatives(&self.domain, beyond, self.shape.mean_points, &self.filter, costs)
+    }
+
+    /// Unordered pairs in all realizations, looked at or not.
     pub fn pairs(&self) -> f64 {
         let n = self.shape.mean_points;
         self.shape.realizations as f64 * n * (n - 1.0).max(0.0) / 2.0

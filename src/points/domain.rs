@@ -140,6 +140,20 @@ impl Domain {
         self.sides.iter().map(|s| s * s).sum::<f64>().sqrt() / 2.0
     }
 
+    /// Positions along each axis are below this many fixed-point steps: the period of a torus, the side of a window and
+    /// its closed end; 1 on axes beyond the dimension.
+    pub fn extents(&self) -> [u128; 3] {
+        let mut extents = [1; 3];
+        for (k, &side) in self.sides.iter().enumerate() {
+            extents[k] = match (self.boundary, self.periods()[k]) {
+                (Boundary::Torus, 0) => 1 << 64,
+                (Boundary::Torus, period) => u128::from(period),
+                (Boundary::Window, _) => u128::from(super::fixed_point(side / self.length_unit())) + 1,
+            };
+        }
+        extents
+    }
+
     /// Distance between neighbours in the closest packing of `n` points: hexagonal in 2D, `sqrt(2/(sqrt(3) lambda))`;
     /// face-centred cubic in 3D, `(sqrt(2)/lambda)^(1/3)`; even spacing in 1D.
     pub fn closest_packing_distance(&self, n: f64) -> f64 {

@@ -3,7 +3,10 @@
 
 use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
 use pairwave::compute::{Compute, Control, reference::Reference};
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan};
+use pairwave::plan::{
+    Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, LagGrid, LagPlan, PairPlan, PairSettings, RadialBins,
+    WaveGrid, WavePlan,
+};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// SplitMix64: enough randomness for inputs, the same on every platform.
@@ -280,6 +283,42 @@ pub fn assert_lags_equal(name: &str, a: &LagCounts, b: &LagCounts) {
     }
 }
 
+/// Every edge correction in windows whose points touch sides and corners, up to the longest distances that the GPU takes.
+/// `size` scales the point counts.
+pub fn corrected_cases(size: usize) -> Vec<PairCase> {
+    let mut cases = Vec::new();
+    for (dim, correction) in (1..=3)
+        .flat_map(|dim| [Correction::Translation, Correction::Isotropic, Correction::Border].map(|c| (dim, c)))
+        .filter(|case| *case != (3, Correction::Isotropic))
+    {
+        let k = (size as f64).powf(1.0 / dim as f64).round() as usize;
+        let window = Domain::window(&[(-1.0, 2.0), (0.5, 1.75), (10.0, 12.2)][..dim]).unwrap();
+        let strip = Domain::window(&[(0.0, 1.0), (0.0, 300.0), (0.0, 20.0)][..dim]).unwrap();
+        // The lattice has points on both ends of the closed window's sides, and circles that touch them.
+        let closed = raw(dim, lattice(dim, k).coordinates.iter().map(|x| x * k as f64 / (k - 1) as f64).collect());
+        let sets = [uniform(dim, size, 1), closed, clustered(dim, size / 2, 2), uniform(dim, 1, 3), uniform(dim, 0, 4)];
+        for (name, window) in [("window", &window), ("strip", &strip)] {
+            let side = window.shortest_side();
+            let r = match correction {
+                Correction::Isotropic => window.half_diagonal().min(1.2 * side),
+                Correction::Border => 0.49 * side,
+                _ => 0.9 * side,
+            };
+            let others = match name {
+                "window" => ("log", RadialBins::logarithmic(1e-3 * r, r, 30).unwrap()),
+                _ => ("tiny", RadialBins::linear(1e-7 * side, 9).unwrap()),
+            };
+            for (scale, bins) in [("linear", RadialBins::linear(r, 70).unwrap()), others] {
+                let ensemble = ensemble_in(window, &sets);
+                let settings = PairSettings { cumulative: true, ..correction.into() };
+                let plan = PairPlan::new(window, bins, settings, shape(&ensemble)).unwrap();
+                cases.push(PairCase { name: format!("{correction}, {name}, {scale}, {dim}D"), ensemble, plan });
+            }
+        }
+    }
+    cases
+}
+
 /// The reference's counts for a plan.
 pub fn reference_counts(plan: &PairPlan, ensemble: &Ensemble) -> PairCounts {
     Reference.pair_counts(plan, ensemble, &Control::default()).unwrap()
@@ -308,6 +347,40 @@ pub fn counts_agree(a: &PairCounts, b: &PairCounts) -> Result<(), String> {
         return Err("the moments differ".into());
     }
     Ok(())
+}
+
+/// The largest relative error of the sums of weights of `a`, in bins and cumulative; or why they cannot be compared, or that
+/// counts beside them differ.
+pub fn weight_error(a: &PairCounts, reference: &PairCounts) -> Result<f64, String> {
+    let unweighted = |counts: &PairCounts| PairCounts {
+        bins: pairwave::accumulate::Ratios {
+            sums: Vec::new(),
+            squares: Vec::new(),
+            products: Vec::new(),
+            ..counts.bins.clone()
+        },
+        cumulative: None,
+        ..counts.clone()
+    };
+    counts_agree(&unweighted(a), &unweighted(reference))?;
+    let sums = |counts: &PairCounts| {
+        let cumulative = counts.cumulative.iter().flat_map(|c| c.sums.clone());
+        counts.bins.sums.iter().copied().chain(cumulative).collect::<Vec<_>>()
+    };
+    let (a, b) = (sums(a), sums(reference));
+    if a.len() != b.len() {
+        return Err(format!("{} sums against {}", a.len(), b.len()));
+    }
+    let errors = a.iter().zip(&b).map(|(&a, &b)| if a == b { 0.0 } else { a.abs_diff(b) as f64 / b as f64 });
+    Ok(errors.fold(0.0, f64::max))
+}
+
+/// Asserts that sums of weights keep `GPU_WEIGHT_BOUND`, and returns how close they came.
+pub fn assert_weights_within(name: &str, a: &PairCounts, reference: &PairCounts) -> f64 {
+    let error = weight_error(a, reference).unwrap_or_else(|why| panic!("{name}: {why}"));
+    println!("{name}: {error:.1e}");
+    assert!(error <= GPU_WEIGHT_BOUND, "{name}: weights are off by {error:.1e}");
+    error
 }
 
 /// Asserts `counts_agree`.

@@ -3,7 +3,9 @@
 
 #![expect(unsafe_code, reason = "calls into functions for a detected instruction set")]
 
-use super::pair_bins::{COLUMNS, LANES, Rows};
+use std::ops::Range;
+
+use super::pair_bins::{COLUMNS, LANES};
 use super::simd::SimdLevel;
 use crate::plan::{LagFilter, LagGrid};
 
@@ -28,6 +30,17 @@ impl Places {
     pub(super) fn counters(&self) -> usize {
         self.dump as usize + LANES
     }
+}
+
+/// The unordered pairs (i in `rows`, j in `columns`, i < j) of points with 32-bit coordinates.
+pub(super) struct Rows<'a> {
+    /// Per axis, the coordinates, with `LANES` more behind the last column.
+    pub(super) axes: &'a [&'a [u32]],
+    /// Per axis, the period; 0 stands for 2^32.
+    pub(super) periods: [u32; 3],
+    pub(super) rows: Range<usize>,
+    /// At most `COLUMNS` of them.
+    pub(super) columns: Range<usize>,
 }
 
 /// Runs `$f::<D, UNEQUAL>` for the number of axes at hand.

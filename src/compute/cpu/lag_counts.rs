@@ -8,8 +8,9 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
+use super::lag_bins::Rows;
 use super::lag_bins::{self, Places};
-use super::pair_bins::{COLUMNS, LANES, Rows};
+use super::pair_bins::{COLUMNS, LANES};
 use super::simd::SimdLevel;
 use crate::accumulate::{LagCounts, PairHistogram};
 use crate::compute::{Compute, Control, reference};

@@ -18,22 +18,34 @@ pub(super) const COLUMNS: usize = 1024;
 /// Most lanes any kernel uses; rounded coordinates have this much padding behind them.
 pub(super) const LANES: usize = 16;
 
-/// The unordered pairs (i in `rows`, j in `columns`, i < j) of points with 32-bit coordinates.
+/// The pairs (i in `rows`, o in `0..columns`) of points with 32-bit coordinates.
 pub(super) struct Rows<'a> {
-    /// Per axis, the coordinates, with `LANES` more behind the last column.
-    pub(super) axes: &'a [&'a [u32]],
+    /// Per axis, the coordinates that `rows` index.
+    pub(super) own: &'a [&'a [u32]],
+    pub(super) rows: Range<usize>,
+    /// Per axis, the coordinates of the columns, and `LANES` more behind the last one.
+    pub(super) others: &'a [&'a [u32]],
+    /// At most `COLUMNS` of them.
+    pub(super) columns: usize,
+    /// The columns begin with the rows themselves: of these, only pairs with later ones.
+    pub(super) triangle: bool,
     /// Per axis, the period; 0 stands for 2^32.
     pub(super) periods: [u32; 3],
-    pub(super) rows: Range<usize>,
-    /// At most `COLUMNS` of them.
-    pub(super) columns: Range<usize>,
 }
 
-/// A pair f32 cannot decide, and the edge it is near to.
+impl Rows<'_> {
+    /// The first column of row `i`.
+    #[inline(always)]
+    fn first(&self, i: usize) -> usize {
+        if self.triangle { i - self.rows.start + 1 } else { 0 }
+    }
+}
+
+/// A pair f32 cannot decide (a row and a column), and the edge it is near to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Undecided {
     pub(super) i: u32,
-    pub(super) j: u32,
+    pub(super) column: u32,
     pub(super) guess: u32,
 }
 
@@ -108,7 +120,7 @@ fn squared<const D: usize, const UNEQUAL: bool>(a: [u32; D], b: [u32; D], period
 /// Runs `$f::<D, UNEQUAL>` for the number of axes at hand.
 macro_rules! by_shape {
     ($job:expr, $f:ident, $($arg:expr),*) => {
-        match ($job.axes.len(), $job.periods == [0; 3]) {
+        match ($job.own.len(), $job.periods == [0; 3]) {
             (1, true) => $f::<1, false, _>($($arg),*),
             (2, true) => $f::<2, false, _>($($arg),*),
             (_, true) => $f::<3, false, _>($($arg),*),
@@ -120,7 +132,7 @@ macro_rules! by_shape {
 }
 
 /// Bins by a function of r2 that answers with the bin and whether it is undecided, row by row, into
-/// `sink(i, first j, bins)`. Undecided pairs get `no_bin`. `table` says that the function is a look-up there.
+/// `sink(i, first column, bins)`. Undecided pairs get `no_bin`. `table` says that the function is a look-up there.
 pub(super) fn by_r2(
     level: SimdLevel,
     job: &Rows<'_>,
@@ -195,10 +207,10 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
     let mut slots = [0u32; COLUMNS];
     let mut flagged = [0u32; COLUMNS + 1];
     for i in job.rows.clone() {
-        let first = job.columns.start.max(i + 1);
-        let len = job.columns.end.saturating_sub(first);
-        let own: [u32; D] = std::array::from_fn(|k| job.axes[k][i]);
-        let others: [&[u32]; D] = std::array::from_fn(|k| &job.axes[k][first..first + len]);
+        let first = job.first(i);
+        let len = job.columns.saturating_sub(first);
+        let own: [u32; D] = std::array::from_fn(|k| job.own[k][i]);
+        let others: [&[u32]; D] = std::array::from_fn(|k| &job.others[k][first..first + len]);
         for (o, r2) in r2[..len].iter_mut().enumerate() {
             *r2 = squared::<D, UNEQUAL>(own, std::array::from_fn(|k| others[k][o]), job.periods);
         }
@@ -222,7 +234,7 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
         for &o in &flagged[..flags] {
             let slot = &mut slots[o as usize];
             let guess = slot.wrapping_add(1);
-            undecided.push(Undecided { i: i as u32, j: first as u32 + o, guess });
+            undecided.push(Undecided { i: i as u32, column: first as u32 + o, guess });
             *slot = rule.no_bin();
         }
         rule.sink(i, first, &slots[..len]);
@@ -286,7 +298,7 @@ fn look_up_avx2(
     flags
 }
 
-/// Linear bins, row by row, into `sink(i, first j, indices)`.
+/// Linear bins, row by row, into `sink(i, first column, indices)`.
 pub(super) fn linear(
     level: SimdLevel,
     job: &Rows<'_>,
@@ -331,8 +343,8 @@ fn run_linear<S: FnMut(usize, usize, &[u32])>(
     sink: &mut S,
     undecided: &mut Vec<Undecided>,
 ) {
-    assert!(job.columns.len() <= COLUMNS, "a piece fits the buffer");
-    assert!(job.axes.iter().all(|a| a.len() >= job.columns.end + LANES), "coordinates are padded");
+    assert!(job.columns <= COLUMNS, "a piece fits the buffer");
+    assert!(job.others.iter().all(|a| a.len() >= job.columns + LANES), "coordinates are padded");
     match level {
         // SAFETY: the level was detected, and the lengths were checked just now.
         #[cfg(target_arch = "x86_64")]
@@ -354,11 +366,11 @@ fn linear_portable<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &
     let mut slots = [0u32; COLUMNS + LANES];
     let mut upper = [0u32; COLUMNS + LANES];
     for i in job.rows.clone() {
-        let first = job.columns.start.max(i + 1);
-        let len = job.columns.end.saturating_sub(first);
-        let own: [u32; D] = std::array::from_fn(|k| job.axes[k][i]);
+        let first = job.first(i);
+        let len = job.columns.saturating_sub(first);
+        let own: [u32; D] = std::array::from_fn(|k| job.own[k][i]);
         for begin in (0..len).step_by(LANES) {
-            let others: [&[u32]; D] = std::array::from_fn(|k| &job.axes[k][first + begin..first + begin + LANES]);
+            let others: [&[u32]; D] = std::array::from_fn(|k| &job.others[k][first + begin..first + begin + LANES]);
             let (slots, upper) = (&mut slots[begin..begin + LANES], &mut upper[begin..begin + LANES]);
             for l in 0..LANES {
                 let r2 = squared::<D, UNEQUAL>(own, std::array::from_fn(|k| others[k][l]), job.periods);
@@ -373,7 +385,7 @@ fn linear_portable<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &
                 lower
             } else {
                 let guess = lower.wrapping_add(1);
-                undecided.push(Undecided { i: i as u32, j: (first + o) as u32, guess });
+                undecided.push(Undecided { i: i as u32, column: (first + o) as u32, guess });
                 linear.bins
             };
             slots[o] = (linear.base[lane] + index.min(linear.stride as u32 - 1)).min(linear.last[lane]);
@@ -402,13 +414,13 @@ fn set_aside(
         let guess = slots[lane].wrapping_sub(base).wrapping_add(1);
         slots[lane] = base + linear.bins;
         if lane < left {
-            undecided.push(Undecided { i: i as u32, j: (first + lane) as u32, guess });
+            undecided.push(Undecided { i: i as u32, column: (first + lane) as u32, guess });
         }
     }
 }
 
 /// # Safety
-/// AVX2 and FMA; `job.axes` hold `LANES` more than the last column; at most `COLUMNS` columns.
+/// AVX2 and FMA; `job.others` hold `LANES` more than the last column; at most `COLUMNS` columns.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &[u32])>(
@@ -433,18 +445,18 @@ unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize
     };
     let periods = job.periods.map(|p| _mm256_set1_epi32(p as i32));
     for i in job.rows.clone() {
-        let first = job.columns.start.max(i + 1);
-        if first >= job.columns.end {
+        let first = job.first(i);
+        if first >= job.columns {
             continue;
         }
-        let len = job.columns.end - first;
-        let own: [__m256i; D] = std::array::from_fn(|k| _mm256_set1_epi32(job.axes[k][i] as i32));
+        let len = job.columns - first;
+        let own: [__m256i; D] = std::array::from_fn(|k| _mm256_set1_epi32(job.own[k][i] as i32));
         // The index of 8 pairs, and which of them are undecided (lanes of ones where decided).
         let eight = |o: usize| {
             let mut r2 = _mm256_setzero_ps();
             for k in 0..D {
-                // SAFETY: `first + o + 8` is at most `columns.end + 15`.
-                let other = unsafe { _mm256_loadu_si256(job.axes[k].as_ptr().add(first + o).cast()) };
+                // SAFETY: `first + o + 8` is at most `columns + 15`.
+                let other = unsafe { _mm256_loadu_si256(job.others[k].as_ptr().add(first + o).cast()) };
                 let d = if UNEQUAL {
                     let apart = _mm256_sub_epi32(_mm256_max_epu32(own[k], other), _mm256_min_epu32(own[k], other));
                     _mm256_min_epu32(apart, _mm256_sub_epi32(periods[k], apart))
@@ -484,7 +496,7 @@ unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize
 }
 
 /// # Safety
-/// AVX-512 F; `job.axes` hold `LANES` more than the last column; at most `COLUMNS` columns.
+/// AVX-512 F; `job.others` hold `LANES` more than the last column; at most `COLUMNS` columns.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
 unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &[u32])>(
@@ -510,18 +522,18 @@ unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usi
     };
     let periods = job.periods.map(|p| _mm512_set1_epi32(p as i32));
     for i in job.rows.clone() {
-        let first = job.columns.start.max(i + 1);
-        if first >= job.columns.end {
+        let first = job.first(i);
+        if first >= job.columns {
             continue;
         }
-        let len = job.columns.end - first;
-        let own: [__m512i; D] = std::array::from_fn(|k| _mm512_set1_epi32(job.axes[k][i] as i32));
+        let len = job.columns - first;
+        let own: [__m512i; D] = std::array::from_fn(|k| _mm512_set1_epi32(job.own[k][i] as i32));
         // The index of 16 pairs, and which of them are undecided.
         let sixteen = |o: usize| {
             let mut r2 = _mm512_setzero_ps();
             for k in 0..D {
-                // SAFETY: `first + o + 16` is at most `columns.end + 15`.
-                let other = unsafe { _mm512_loadu_si512(job.axes[k].as_ptr().add(first + o).cast()) };
+                // SAFETY: `first + o + 16` is at most `columns + 15`.
+                let other = unsafe { _mm512_loadu_si512(job.others[k].as_ptr().add(first + o).cast()) };
                 let d = if UNEQUAL {
                     let apart = _mm512_sub_epi32(_mm512_max_epu32(own[k], other), _mm512_min_epu32(own[k], other));
                     _mm512_min_epu32(apart, _mm512_sub_epi32(periods[k], apart))

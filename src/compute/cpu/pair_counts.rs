@@ -6,9 +6,11 @@
 //! 3. The buffer is scattered into a histogram (of several copies, so that equal distances in a row do not wait for each
 //!    other). Computing and scattering in turns keeps both loops free of branches.
 //!
-//! Work is cut into blocks of rows `i`, each against all `j > i`; the sums are integers, so any thread may take any
-//! block. The cut into (block of rows, contiguous range of columns) is the kernel's interface.
+//! Points are sorted by cell, and partners taken from cells nearby (`cells`; one cell where all pairs are looked at). For
+//! the points of a cell, the rows, the partners are brought together in pieces of columns, which is the kernel's interface:
+//! (rows, columns). The sums are integers, so any thread may take any block of points.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -17,13 +19,14 @@ use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, by_r2};
 use super::pair_weights::{PairWeights, PointData, WeightSums};
 use super::simd::SimdLevel;
 use crate::accumulate::{PairCounts, PairHistogram};
+use crate::compute::cells::{Neighbourhood, SortedPoints};
 use crate::compute::{Compute, Control, reference};
 use crate::error::Result;
 use crate::plan::{BinFilter, BinTable, PairPlan};
 use crate::points::Ensemble;
 
-/// Rows per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
-const BLOCK: usize = 64;
+/// Points per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
+const BLOCK: usize = 128;
 
 /// Absolute guard, in bins, beyond which f32 decides so little that every pair near the bins is settled in integers.
 const HOPELESS_GUARD: f32 = 0.25;
@@ -39,6 +42,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
     let realizations = ensemble.realizations();
     let threads = cpu.threads();
     let filter = Filter::new(plan);
+    let near = Neighbourhood::new(plan);
     let new_sums = || PairCounts::new(cpu.computed_by(), plan);
     let largest = (0..realizations).map(|k| ensemble.points_in(k)).max().unwrap_or(0);
     let next = AtomicUsize::new(0);
@@ -54,10 +58,11 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                 if k >= realizations {
                     return Ok(sums);
                 }
-                let set = Set::new(plan, ensemble, k);
+                let sorted = Sorted::new(plan, &near, ensemble, k);
+                let set = Set::new(plan, &sorted);
                 for block in 0..set.blocks() {
                     control.check()?;
-                    tally.count(cpu.level, plan, &filter, &set, block);
+                    tally.count(cpu.level, plan, &filter, &near, &set, block);
                 }
                 sums.add(&tally.take(&set));
             }
@@ -72,7 +77,8 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
     let mut sums = new_sums();
     for k in 0..realizations {
         control.check()?;
-        let set = Set::new(plan, ensemble, k);
+        let sorted = Sorted::new(plan, &near, ensemble, k);
+        let set = Set::new(plan, &sorted);
         next.store(0, Ordering::Relaxed);
         let parts = cpu.pool.broadcast(|_| {
             let mut tally = Tally::new(plan, &filter);
@@ -82,7 +88,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                 if block >= set.blocks() {
                     return Ok(tally.take(&set));
                 }
-                tally.count(cpu.level, plan, &filter, &set, block);
+                tally.count(cpu.level, plan, &filter, &near, &set, block);
             }
         });
         let mut whole: Option<PairHistogram> = None;
@@ -100,20 +106,38 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
     Ok(sums)
 }
 
-/// One realization: exact coordinates, and the same rounded to 32 bits with padding behind.
+/// The points of one realization in the order in which they are looked at.
+struct Sorted<'a> {
+    points: SortedPoints,
+    exact: Vec<Cow<'a, [u64]>>,
+    masses: Option<Cow<'a, [u32]>>,
+}
+
+impl<'a> Sorted<'a> {
+    fn new(plan: &PairPlan, near: &Neighbourhood, ensemble: &'a Ensemble, k: usize) -> Self {
+        let axes = ensemble.lengths(k);
+        let points = near.sort(plan, &axes);
+        let exact = axes.into_iter().map(|axis| points.permuted(axis)).collect();
+        let masses = ensemble.masses(k).map(|masses| points.permuted(masses));
+        Self { points, exact, masses }
+    }
+}
+
+/// One realization: exact coordinates, and the same rounded to 32 bits.
 struct Set<'a> {
     n: usize,
+    points: &'a SortedPoints,
     exact: Vec<&'a [u64]>,
     /// What weights need beside positions.
-    points: PointData<'a>,
+    data: PointData<'a>,
     periods: [u64; 3],
     rounded: Vec<Vec<u32>>,
     rounded_periods: [u32; 3],
 }
 
 impl<'a> Set<'a> {
-    fn new(plan: &PairPlan, ensemble: &'a Ensemble, k: usize) -> Self {
-        let exact = ensemble.lengths(k);
+    fn new(plan: &PairPlan, sorted: &'a Sorted<'_>) -> Self {
+        let exact: Vec<&[u64]> = sorted.exact.iter().map(|axis| &**axis).collect();
         let periods = plan.domain.periods();
         // Periods are below 2^64 - 2^31, or 0 for 2^64 itself, except for sides that differ by less than 2^-33: those
         // round to 2^32, which 0 stands for.
@@ -121,13 +145,10 @@ impl<'a> Set<'a> {
         let rounded = exact
             .iter()
             .zip(rounded_periods)
-            .map(|(axis, period)| {
-                axis.iter().map(|&v| round32(v, period)).chain(std::iter::repeat_n(0, LANES)).collect()
-            })
+            .map(|(axis, period)| axis.iter().map(|&v| round32(v, period)).collect())
             .collect();
-        let masses = ensemble.masses(k);
-        let points = PointData::new(plan, &exact, masses);
-        Self { n: ensemble.points_in(k), exact, points, periods, rounded, rounded_periods }
+        let data = PointData::new(plan, &exact, sorted.masses.as_deref());
+        Self { n: exact[0].len(), points: &sorted.points, exact, data, periods, rounded, rounded_periods }
     }
 
     fn blocks(&self) -> usize {
@@ -167,6 +188,34 @@ impl<'a> Filter<'a> {
     }
 }
 
+/// Partners brought together: which points they are, and their rounded coordinates, with padding behind.
+#[derive(Default)]
+struct Columns {
+    points: Vec<u32>,
+    axes: [Vec<u32>; 3],
+}
+
+impl Columns {
+    fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    fn clear(&mut self) {
+        self.points.clear();
+        self.axes.iter_mut().for_each(Vec::clear);
+    }
+
+    fn extend(&mut self, set: &Set<'_>, points: Range<usize>) {
+        let len = self.len();
+        self.points.extend(points.start as u32..points.end as u32);
+        for (to, from) in self.axes.iter_mut().zip(&set.rounded) {
+            to.truncate(len);
+            to.extend_from_slice(&from[points.clone()]);
+            to.extend_from_slice(&[0; LANES]);
+        }
+    }
+}
+
 /// The sums of one thread.
 struct Tally {
     bins: usize,
@@ -178,6 +227,8 @@ struct Tally {
     counts: Vec<u64>,
     weights: Option<WeightSums>,
     undecided: Vec<pair_bins::Undecided>,
+    columns: Columns,
+    ranges: Vec<Range<usize>>,
 }
 
 impl Tally {
@@ -195,19 +246,51 @@ impl Tally {
             counts: vec![0; bins],
             weights: WeightSums::new(plan),
             undecided: Vec::new(),
+            columns: Columns::default(),
+            ranges: Vec::new(),
         }
     }
 
-    /// Counts the pairs of one block of rows with all later points.
-    fn count(&mut self, level: SimdLevel, plan: &PairPlan, filter: &Filter<'_>, set: &Set<'_>, block: usize) {
-        let rows = block * BLOCK..((block + 1) * BLOCK).min(set.n);
-        // Columns in short pieces, so that they stay in the first-level cache for all rows of the block.
-        for begin in (rows.start..set.n).step_by(COLUMNS) {
-            self.count_piece(level, plan, filter, set, rows.clone(), begin..(begin + COLUMNS).min(set.n));
+    /// Counts the pairs of one block of points with their partners.
+    fn count(
+        &mut self,
+        level: SimdLevel,
+        plan: &PairPlan,
+        filter: &Filter<'_>,
+        near: &Neighbourhood,
+        set: &Set<'_>,
+        block: usize,
+    ) {
+        let mut columns = std::mem::take(&mut self.columns);
+        let mut ranges = std::mem::take(&mut self.ranges);
+        for (cell, rows) in set.points.runs(block * BLOCK..((block + 1) * BLOCK).min(set.n)) {
+            near.partners(&set.points.starts, cell, &rows, &mut ranges);
+            // In pieces, so that they stay in the first-level cache for all rows.
+            columns.clear();
+            let mut triangle = true;
+            for range in &ranges {
+                let mut begin = range.start;
+                while begin < range.end {
+                    let end = range.end.min(begin + COLUMNS - columns.len());
+                    columns.extend(set, begin..end);
+                    begin = end;
+                    if columns.len() == COLUMNS {
+                        self.count_piece(level, plan, filter, set, rows.clone(), &columns, triangle);
+                        columns.clear();
+                        triangle = false;
+                    }
+                }
+            }
+            if columns.len() > 0 {
+                self.count_piece(level, plan, filter, set, rows, &columns, triangle);
+            }
         }
+        (self.columns, self.ranges) = (columns, ranges);
     }
 
-    /// Counts the pairs `i` in `rows`, `j` in `columns` with `i < j`; at most `COLUMNS` columns.
+    /// Counts the pairs of `rows` with `columns`; if these begin with the rows themselves (`triangle`), each row with
+    /// those after it.
+    #[expect(clippy::too_many_arguments, reason = "what is counted, how, and where")]
     fn count_piece(
         &mut self,
         level: SimdLevel,
@@ -215,25 +298,28 @@ impl Tally {
         filter: &Filter<'_>,
         set: &Set<'_>,
         rows: Range<usize>,
-        columns: Range<usize>,
+        columns: &Columns,
+        triangle: bool,
     ) {
         let pairs = (rows.len() * columns.len()) as u64;
         if self.pending + pairs > u64::from(u32::MAX) {
             self.empty();
         }
         self.pending += pairs;
-        let axes: Vec<&[u32]> = set.rounded.iter().map(Vec::as_slice).collect();
-        let job = Rows { axes: &axes, periods: set.rounded_periods, rows, columns };
+        let own: Vec<&[u32]> = set.rounded.iter().map(Vec::as_slice).collect();
+        let others: Vec<&[u32]> = columns.axes.iter().map(Vec::as_slice).collect();
+        let periods = set.rounded_periods;
+        let job = Rows { own: &own, rows, others: &others[..own.len()], columns: columns.len(), triangle, periods };
         let bins = self.bins;
         let Self { short, stride, weights, counts, undecided, .. } = self;
         if let Some(weights) = weights {
-            let of_points = PairWeights::new(plan, &set.exact, &set.points);
+            let of_points = PairWeights::new(plan, &set.exact, &set.data);
             let sink = |i: usize, first: usize, slots: &[u32]| {
-                for (j, &slot) in (first..).zip(slots) {
+                for (&j, &slot) in columns.points[first..].iter().zip(slots) {
                     let bin = slot as usize;
                     if bin < bins {
                         counts[bin] += 1;
-                        weights.add(&of_points, bin, i, j);
+                        weights.add(&of_points, bin, i, j as usize);
                     }
                 }
             };
@@ -247,9 +333,10 @@ impl Tally {
                 }
             }
             for pair in undecided.drain(..) {
-                if let Some(bin) = settle(plan, set, &pair) {
+                let (i, j) = (pair.i as usize, columns.points[pair.column as usize] as usize);
+                if let Some(bin) = settle(plan, set, i, j, pair.guess) {
                     counts[bin] += 1;
-                    weights.add(&of_points, bin, pair.i as usize, pair.j as usize);
+                    weights.add(&of_points, bin, i, j);
                 }
             }
             return;
@@ -266,7 +353,8 @@ impl Tally {
             }
         }
         for pair in undecided.drain(..) {
-            if let Some(bin) = settle(plan, set, &pair) {
+            let j = columns.points[pair.column as usize] as usize;
+            if let Some(bin) = settle(plan, set, pair.i as usize, j, pair.guess) {
                 counts[bin] += 1;
             }
         }
@@ -290,7 +378,7 @@ impl Tally {
         let counts = self.counts.iter_mut().map(|c| 2 * std::mem::take(c)).collect();
         let histogram = PairHistogram::new(set.n as u64, counts, None);
         match &mut self.weights {
-            Some(weights) => weights.take(histogram, &set.points),
+            Some(weights) => weights.take(histogram, &set.data),
             None => histogram,
         }
     }
@@ -336,11 +424,11 @@ fn near_bin(beyond: f32, bins: usize, r2: f32) -> (u32, bool) {
 }
 
 /// The bin of a pair by the definition.
-fn settle(plan: &PairPlan, set: &Set<'_>, pair: &pair_bins::Undecided) -> Option<usize> {
+fn settle(plan: &PairPlan, set: &Set<'_>, i: usize, j: usize, guess: u32) -> Option<usize> {
     let thresholds = &plan.thresholds;
-    let r2 = reference::squared_distance(&set.exact, set.periods, pair.i as usize, pair.j as usize);
+    let r2 = reference::squared_distance(&set.exact, set.periods, i, j);
     // Nearly always one of the two bins that meet at the edge in question.
-    let guess = (pair.guess as usize).min(thresholds.len() - 1).saturating_sub(1);
+    let guess = (guess as usize).min(thresholds.len() - 1).saturating_sub(1);
     for (k, edges) in thresholds[guess..].windows(2).take(3).enumerate() {
         if edges[0] <= r2 && r2 < edges[1] {
             return Some(guess + k);

@@ -4,7 +4,9 @@
 use std::ops::Range;
 
 use super::kernel::{self, KernelSpec};
-use super::pair_counts::{dispatches, fits, upload_points};
+use super::pair_counts::Points;
+use super::pair_jobs::dispatches;
+use super::pair_specs::fits;
 use super::params::{LAG_COUNTS, LagParams};
 use super::{GpuCompute, Tuning};
 use crate::accumulate::{LagCounts, PairHistogram};
@@ -33,7 +35,7 @@ pub(super) fn spec(plan: &LagPlan, limit: u32) -> KernelSpec {
         ("WORKGROUP", WORKGROUP),
         ("DIM", dim),
         ("AXIS_BINS", plan.grid.bins as u32),
-        ("BINS", cells),
+        ("WORDS", cells),
         ("TILE_WORDS", dim * WORKGROUP),
         ("WINDOW", u32::from(!plan.domain.is_torus())),
     ];
@@ -62,8 +64,8 @@ fn params(plan: &LagPlan) -> (LagParams, Vec<[u32; 2]>) {
     let mut params = LagParams { offset: [0.5; 4], ..LagParams::default() };
     let mut thresholds = Vec::new();
     for (axis, period) in plan.domain.periods().into_iter().enumerate() {
-        params.period_rounded[axis] = (period.wrapping_add(1 << 31) >> 32) as u32;
-        [params.period_low[axis], params.period_high[axis]] = words(period);
+        params.side_rounded[axis] = (period.wrapping_add(1 << 31) >> 32) as u32;
+        [params.side_low[axis], params.side_high[axis]] = words(period);
         let f = &plan.filter;
         params.scale[axis] = f.scale[axis];
         params.offset[axis] = f.offset[axis];
@@ -104,7 +106,6 @@ pub(super) fn lag_counts(
     // A counter is u32: fewer than 2^32 pairs may be looked at before it is read.
     let pair_cap = tuning.pairs_per_dispatch.min(u64::from(u32::MAX));
     let work = dispatches(&sizes, WORKGROUP, pair_cap, point_cap, histogram_cap);
-    let periods = plan.domain.periods();
     let (mut params, thresholds) = params(plan);
 
     let mut counts = vec![0u64; realizations * cells];
@@ -114,7 +115,7 @@ pub(super) fn lag_counts(
         }
     };
     let mut under_way = None;
-    let mut held: Option<(Range<usize>, [wgpu::Buffer; 2])> = None;
+    let mut held: Option<(Range<usize>, Points)> = None;
     gpu.guarded(NAME, || {
         let thresholds = gpu.upload("thresholds", &thresholds, tuning.fill);
         for dispatch in &work {
@@ -123,9 +124,9 @@ pub(super) fn lag_counts(
             // A large realization takes many dispatches; its points go up once.
             if held.as_ref().is_none_or(|(r, _)| *r != range) {
                 drop(held.take());
-                held = Some((range.clone(), upload_points(compute, ensemble, &range, periods)));
+                held = Some((range.clone(), Points::upload(compute, ensemble, &range)));
             }
-            let Some((_, [rounded, exact])) = &held else { continue };
+            let Some((_, points)) = &held else { continue };
             let jobs = gpu.upload("jobs", &dispatch.jobs, tuning.fill);
             params.total_points = range.clone().map(|k| sizes[k]).sum::<usize>() as u32;
             let params = gpu.uniform("params", &params);
@@ -133,7 +134,7 @@ pub(super) fn lag_counts(
             let histograms = gpu.scratch("histograms", 4 * words as u64, tuning.fill);
             let mut encoder = gpu.encoder(NAME);
             encoder.clear_buffer(&histograms, 0, None);
-            let buffers = [&params, &jobs, rounded, exact, &thresholds, &histograms];
+            let buffers = [&params, &jobs, &points.rounded, &points.exact, &thresholds, &histograms];
             kernel.dispatch(gpu, &mut encoder, &buffers, dispatch.jobs.len() as u32);
             let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
             // One submission ahead: the device has work while the host adds up.

@@ -7,7 +7,11 @@ mod buffers;
 mod device;
 mod kernel;
 mod lag_counts;
+mod pair_cells;
 mod pair_counts;
+mod pair_jobs;
+mod pair_specs;
+mod pair_sums;
 pub mod params;
 mod probe;
 mod wave_power;
@@ -22,7 +26,7 @@ pub use probe::{Check, Verdict};
 use super::{Backend, Compute, ComputedBy, Control};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{LagPlan, PairPlan, WaveGrid, WavePlan};
+use crate::plan::{LagPlan, PairPlan, PairSearch, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -40,6 +44,8 @@ pub struct Tuning {
     pub buffer_bytes: u64,
     /// What scratch memory holds at first.
     pub fill: Fill,
+    /// Which pairs are looked at; `None` for what is faster by estimate.
+    pub search: Option<PairSearch>,
 }
 
 impl Tuning {
@@ -50,6 +56,7 @@ impl Tuning {
             fma_per_dispatch: if software { 1 << 29 } else { 1 << 36 },
             buffer_bytes: 64 << 20,
             fill: Fill::Zero,
+            search: None,
         }
     }
 }
@@ -130,9 +137,15 @@ impl Gpu {
     }
 }
 
-/// The kernel that counts the pairs of a plan, on a device with `workgroup_bytes` of workgroup memory.
+/// The kernel that counts all pairs of a plan, on a device with `workgroup_bytes` of workgroup memory.
 pub fn pair_kernel(plan: &PairPlan, workgroup_bytes: u32) -> KernelSpec {
-    pair_counts::spec(plan, workgroup_bytes)
+    pair_specs::all_pairs(plan, workgroup_bytes)
+}
+
+/// The kernels that sort points into cells, and the one that counts pairs in cells near each other.
+pub fn cell_kernels(plan: &PairPlan, workgroup_bytes: u32) -> [KernelSpec; 3] {
+    let [count, scatter] = pair_specs::sort(plan);
+    [count, scatter, pair_specs::cell_pairs(plan, workgroup_bytes)]
 }
 
 /// The kernel that counts the pairs of a plan by their lag, on a device with `workgroup_bytes` of workgroup memory.
@@ -160,7 +173,7 @@ impl Compute for GpuCompute {
     }
 
     fn supports_pair_counts(&self, plan: &PairPlan) -> Result<(), String> {
-        pair_counts::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+        pair_specs::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
     }
 
     fn supports_lag_counts(&self, plan: &LagPlan) -> Result<(), String> {

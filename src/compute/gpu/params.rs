@@ -61,14 +61,14 @@ macro_rules! twins {
 }
 
 twins! {
-    /// See `shaders/pair_counts.wgsl`.
+    /// See `shaders/shared/pairs.wgsl`.
     struct PairParams {
-        /// Periods in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
-        period_rounded: [u32; 4],
-        /// Lower half of the periods in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
-        period_low: [u32; 4],
+        /// Sides of the box in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
+        side_rounded: [u32; 4],
+        /// Lower half of the sides in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
+        side_low: [u32; 4],
         /// Upper half.
-        period_high: [u32; 4],
+        side_high: [u32; 4],
         /// `BinFilter::Linear`: bins per step of `length_unit / 2^32`.
         bins_per_step: f32,
         /// `BinFilter::Linear`: relative guard.
@@ -104,11 +104,11 @@ twins! {
     /// See `shaders/lag_counts.wgsl`.
     struct LagParams {
         /// Periods in steps of `length_unit / 2^32`, rounded; 0 stands for 2^32.
-        period_rounded: [u32; 4],
+        side_rounded: [u32; 4],
         /// Lower half of the periods in steps of `length_unit / 2^64`; 0, 0 stands for 2^64.
-        period_low: [u32; 4],
+        side_low: [u32; 4],
         /// Upper half.
-        period_high: [u32; 4],
+        side_high: [u32; 4],
         /// Lower half of the first threshold of each axis, modulo 2^64.
         first_low: [u32; 4],
         /// Upper half.
@@ -137,6 +137,60 @@ twins! {
         reserved_1: u32,
         /// Padding.
         reserved_2: u32,
+    }
+
+    /// See `shaders/pair_counts_cells.wgsl`: tasks of one realization.
+    struct CellPairJob {
+        /// The first task.
+        first_task: u32,
+        /// How many.
+        tasks: u32,
+        /// The histogram to add to.
+        histogram: u32,
+    }
+
+    /// See `shaders/pair_counts_cells.wgsl`: points of one cell against a range of points.
+    struct CellPairTask {
+        /// The first point of the cell.
+        first_row: u32,
+        /// How many.
+        rows: u32,
+        /// The first of the others.
+        first: u32,
+        /// One past the last of them.
+        end: u32,
+        /// The binary logarithm of the number of invocations that hold the rows.
+        lane_bits: u32,
+    }
+
+    /// See `shaders/shared/cell_types.wgsl`.
+    struct CellParams {
+        /// Lower half of `CellAxis`'s multipliers.
+        multiplier_low: [u32; 4],
+        /// Upper half.
+        multiplier_high: [u32; 4],
+        /// Shifts of the upper half of the product.
+        shift: [u32; 4],
+        /// How far apart neighbouring cells of an axis are in the list of cells.
+        stride: [u32; 4],
+        /// Points in the buffers.
+        total_points: u32,
+        /// Padding.
+        reserved_0: u32,
+        /// Padding.
+        reserved_1: u32,
+        /// Padding.
+        reserved_2: u32,
+    }
+
+    /// See `shaders/cell_count.wgsl`: points of one realization.
+    struct CellJob {
+        /// The first of them.
+        first_point: u32,
+        /// How many.
+        points: u32,
+        /// Where the counts of the realization begin.
+        first_cell: u32,
     }
 
     /// See `shaders/shared/wave_types.wgsl`: the tile of the grid at hand.
@@ -220,26 +274,65 @@ twins! {
     }
 }
 
-/// Bindings of `pair_counts` with linear bins.
-pub const PAIR_LINEAR: &[Binding] = &[
+macro_rules! pair_bindings {
+    ($($(#[$doc:meta])* $name:ident = $($extra:expr),*;)+) => {
+        $($(#[$doc])*
+        pub const $name: &[Binding] = &[
+            bound(0, "params", Access::Uniform),
+            bound(1, "jobs", Access::Read),
+            bound(2, "rounded", Access::Read),
+            bound(3, "exact", Access::Read),
+            bound(4, "thresholds", Access::Read),
+            bound(5, "histograms", Access::ReadWrite),
+            $($extra),*
+        ];)+
+    };
+}
+
+const CELLS: Binding = bound(6, "cells", Access::Read);
+const BOUNDS: Binding = bound(7, "bounds", Access::Read);
+const DEPTHS: Binding = bound(8, "depths", Access::Read);
+const TASKS: Binding = bound(9, "tasks", Access::Read);
+
+pair_bindings! {
+    /// Bindings of `pair_counts` with linear bins.
+    PAIR_LINEAR = ;
+    /// Bindings of `pair_counts` with a table of bins.
+    PAIR_TABLE = CELLS, BOUNDS;
+    /// `PAIR_LINEAR` with minus sampling.
+    PAIR_LINEAR_BORDER = DEPTHS;
+    /// `PAIR_TABLE` with minus sampling.
+    PAIR_TABLE_BORDER = CELLS, BOUNDS, DEPTHS;
+    /// Bindings of `pair_counts_cells` with linear bins.
+    CELL_PAIR_LINEAR = TASKS;
+    /// Bindings of `pair_counts_cells` with a table of bins.
+    CELL_PAIR_TABLE = CELLS, BOUNDS, TASKS;
+    /// `CELL_PAIR_LINEAR` with minus sampling.
+    CELL_PAIR_LINEAR_BORDER = DEPTHS, TASKS;
+    /// `CELL_PAIR_TABLE` with minus sampling.
+    CELL_PAIR_TABLE_BORDER = CELLS, BOUNDS, DEPTHS, TASKS;
+}
+
+/// Bindings of `cell_count`.
+pub const CELL_COUNT: &[Binding] = &[
     bound(0, "params", Access::Uniform),
     bound(1, "jobs", Access::Read),
-    bound(2, "rounded", Access::Read),
-    bound(3, "exact", Access::Read),
-    bound(4, "thresholds", Access::Read),
-    bound(5, "histograms", Access::ReadWrite),
+    bound(2, "exact", Access::Read),
+    bound(3, "places", Access::ReadWrite),
+    bound(4, "counts", Access::ReadWrite),
 ];
 
-/// Bindings of `pair_counts` with a table of bins.
-pub const PAIR_TABLE: &[Binding] = &[
+/// Bindings of `cell_scatter`.
+pub const CELL_SCATTER: &[Binding] = &[
     bound(0, "params", Access::Uniform),
-    bound(1, "jobs", Access::Read),
-    bound(2, "rounded", Access::Read),
-    bound(3, "exact", Access::Read),
-    bound(4, "thresholds", Access::Read),
-    bound(5, "histograms", Access::ReadWrite),
-    bound(6, "cells", Access::Read),
-    bound(7, "bounds", Access::Read),
+    bound(1, "starts", Access::Read),
+    bound(2, "places", Access::Read),
+    bound(3, "rounded", Access::Read),
+    bound(4, "exact", Access::Read),
+    bound(5, "depths", Access::Read),
+    bound(6, "sorted_rounded", Access::ReadWrite),
+    bound(7, "sorted_exact", Access::ReadWrite),
+    bound(8, "sorted_depths", Access::ReadWrite),
 ];
 
 /// Bindings of `lag_counts`.

@@ -10,7 +10,7 @@ use super::params::{PROBE, ProbeInput, ProbeOutput, ProbeParams};
 use crate::compute::reference::Reference;
 use crate::compute::{Compute, Control};
 use crate::error::Result;
-use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, PairPlan, RadialBins, WaveGrid, WavePlan};
 use crate::points::{Domain, Ensemble, RawPoints};
 
 const NAME: &str = "probe";
@@ -82,6 +82,7 @@ pub(super) fn check(compute: &GpuCompute) -> Verdict {
     ask("pairs in logarithmic bins, unequal sides", box_pairs(compute));
     ask("pairs over several tiles", tiled_pairs(compute));
     ask("pairs over several wide tiles, bins in global memory", wide_pairs(compute));
+    ask("edge weights in a window", edge_weights(compute));
     ask("power of a rank-1 lattice", lattice_power(compute));
     ask("power over several chunks of points", chunked_power(compute));
     ask("power in three dimensions", box_power(compute));
@@ -207,6 +208,21 @@ fn box_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
     let sides = [1.0, 0.7, 1.3];
     let set = |n: u32| (0..3 * n).map(|i| unit(i) * sides[i as usize % 3]).collect();
     pairs(compute, &Domain::torus(&sides)?, RadialBins::logarithmic(0.01, 0.35, 12)?, &[set(70), set(1), set(40)])
+}
+
+/// Isotropic weights: everything that f32 does to weights is in them.
+fn edge_weights(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)])?;
+    let (ensemble, shape) = ensemble(&window, &[uniform(200, 2)])?;
+    let plan = PairPlan::new(&window, RadialBins::linear(0.7, 300)?, Correction::Isotropic, shape)?;
+    let truth = Reference.pair_counts(&plan, &ensemble, &Control::default())?;
+    let here = compute.pair_counts(&plan, &ensemble, &Control::default())?;
+    let mut worst = 0f64;
+    for (&a, &b) in truth.bins.sums.iter().zip(&here.bins.sums) {
+        worst = worst.max(a.abs_diff(b) as f64 / (a as f64).max(1.0));
+    }
+    let found = format!("sums are off by {worst:.1e}, promised {GPU_WEIGHT_BOUND:.0e}");
+    Ok(if worst <= GPU_WEIGHT_BOUND && truth.counts == here.counts { Ok(found) } else { Err(found) })
 }
 
 fn power(compute: &GpuCompute, domain: &Domain, grid: &[u32], sets: &[Vec<f64>]) -> Result<Result<String, String>> {
