@@ -135,48 +135,28 @@ impl Linear {
     }
 }
 
-/// Indices on their way into histograms. They are counted some time after they were written, while others are computed:
+/// Indices on their way into histograms: those of one row are counted while those of the next are computed, since
 /// arithmetic and counting use different parts of a processor.
 pub(super) struct Stream {
-    indices: Box<[u32; STREAM + COLUMNS + LANES]>,
+    /// Two rows that take turns, with the 15 indices that may be left of the one before.
+    rows: Box<[[u32; COLUMNS + 2 * LANES]; 2]>,
+    /// Which of them is to be counted, and how many indices it holds.
+    turn: usize,
     written: usize,
-    counted: usize,
 }
-
-/// Counts 16 indices.
-///
-/// # Safety
-/// There are 16, all below the length of the histogram.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-unsafe fn count(indices: *const u32, histogram: *mut u32) {
-    for k in 0..16 {
-        // SAFETY: as the caller says.
-        unsafe {
-            let count = histogram.add(*indices.add(k) as usize);
-            *count = (*count).wrapping_add(1);
-        }
-    }
-}
-
-/// Indices kept before the rest is moved to the front.
-const STREAM: usize = 1024;
-
-/// How far counting stays behind.
-const LAG: usize = 64;
 
 impl Stream {
     pub(super) fn new() -> Self {
-        Self { indices: Box::new([0; STREAM + COLUMNS + LANES]), written: 0, counted: 0 }
+        Self { rows: Box::new([[0; COLUMNS + 2 * LANES]; 2]), turn: 0, written: 0 }
     }
 
     /// Counts what is left.
     pub(super) fn finish(&mut self, histogram: &mut [u32]) {
-        for &index in &self.indices[self.counted..self.written] {
+        for &index in &self.rows[self.turn][..self.written] {
             let count = &mut histogram[index as usize];
             *count = count.wrapping_add(1);
         }
-        (self.written, self.counted) = (0, 0);
+        self.written = 0;
     }
 }
 
@@ -199,7 +179,7 @@ fn squared<const D: usize, const UNEQUAL: bool>(a: [u32; D], b: [u32; D], period
 
 /// Runs `$f::<D, UNEQUAL>` for the number of axes at hand.
 macro_rules! by_shape {
-    ($job:expr, $f:ident $([$rule:ty])?, $($arg:expr),*) => {
+    ($job:expr, $f:ident $([$rule:tt])?, $($arg:expr),*) => {
         match ($job.own.len(), $job.periods == [0; 3]) {
             (1, true) => $f::<1, false $(, $rule)?>($($arg),*),
             (2, true) => $f::<2, false $(, $rule)?>($($arg),*),
@@ -392,133 +372,192 @@ pub(super) fn linear_histogram(
     assert!(job.columns <= COLUMNS, "a piece fits the buffer");
     assert!(job.others.iter().all(|a| a.len() >= job.columns + LANES), "coordinates are padded");
     match level {
-        // SAFETY: the level was detected, and the lengths were checked just now.
         #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx512 => unsafe { by_shape!(job, linear_avx512, job, linear, stream, histogram, undecided) },
-        // SAFETY: as above.
+        SimdLevel::Avx512 => by_shape!(job, linear_rows[true], job, linear, stream, histogram, undecided),
         #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx2 => unsafe { by_shape!(job, linear_avx2, job, linear, stream, histogram, undecided) },
+        SimdLevel::Avx2 => by_shape!(job, linear_rows[false], job, linear, stream, histogram, undecided),
         _ => return false,
     }
     true
 }
 
-/// Lists the undecided pairs of a row: `flagged` holds the offset of 16 and a mask of them.
+/// One point against all columns, and counting meanwhile.
 #[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn list(flagged: &[u32], i: usize, first: usize, indices: &[u32], undecided: &mut Vec<Undecided>) {
-    for &flag in flagged {
-        let mut mask = flag & 0xffff;
-        while mask != 0 {
-            let o = (flag >> 16) as usize + mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            // What lies beyond the row is none of its pairs.
-            if let Some(&place) = indices.get(o) {
-                undecided.push(Undecided { i: i as u32, column: (first + o) as u32, place });
-            }
-        }
-    }
+struct LinearRow<'a, const D: usize> {
+    linear: &'a Linear,
+    own: [u32; D],
+    others: [*const u32; D],
+    periods: [u32; 3],
+    len: usize,
+    /// Where indices go: room for `len` and `LANES` more.
+    to: *mut u32,
+    /// Indices to be counted, in groups of 16.
+    from: *const u32,
+    groups: usize,
+    histogram: *mut u32,
 }
 
-/// # Safety
-/// AVX2 and FMA; `job.others` hold `LANES` more than the last column; at most `COLUMNS` columns; a histogram that holds
-/// all indices of `linear`.
+/// Offset and mask of each 16 columns with undecided pairs among them.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool>(
+type Flags = [u32; COLUMNS / 16 + 1];
+
+/// The instruction sets must have been detected, the job and the histogram checked.
+#[cfg(target_arch = "x86_64")]
+fn linear_rows<const D: usize, const UNEQUAL: bool, const AVX512: bool>(
     job: &Rows<'_>,
     linear: &Linear,
     stream: &mut Stream,
     histogram: &mut [u32],
     undecided: &mut Vec<Undecided>,
 ) {
-    let mut flagged = [0u32; COLUMNS / 16 + 1];
-    let bins_per_step = _mm256_set1_ps(linear.bins_per_step);
-    let shift = _mm256_set1_ps(linear.shift);
-    let least = _mm256_set1_ps(linear.least);
-    let clear = _mm256_set1_epi32(linear.clear as i32);
-    let fraction_bits = _mm_cvtsi32_si128(linear.fraction_bits as i32);
-    // SAFETY: the arrays have 16 elements.
-    let [limit, limit_high] = [0, 8].map(|k| unsafe { _mm256_loadu_ps(linear.limit.as_ptr().add(k)) });
-    // SAFETY: as above.
-    let [base, base_high] = [0, 8].map(|k| unsafe { _mm256_loadu_si256(linear.base.as_ptr().add(k).cast()) });
-    let periods = job.periods.map(|p| _mm256_set1_epi32(p as i32));
-    // Pointers and numbers of its own, or the loop would read them anew after every store.
-    let (indices, counters) = (stream.indices.as_mut_ptr().cast::<u32>(), histogram.as_mut_ptr());
-    let (mut written, mut counted) = (stream.written, stream.counted);
+    let mut flags: Flags = [0; _];
     for i in job.rows.clone() {
         let first = job.first(i);
         if first >= job.columns {
             continue;
         }
         let len = job.columns - first;
-        let own: [__m256i; D] = std::array::from_fn(|k| _mm256_set1_epi32(job.own[k][i] as i32));
-        let others: [*const u32; D] = std::array::from_fn(|k| job.others[k][first..].as_ptr());
-        // The index of 8 pairs, and which of them are undecided.
-        let eight = |o: usize, limit: __m256, base: __m256i| {
-            let mut r2 = _mm256_setzero_ps();
-            for k in 0..D {
-                // SAFETY: `first + o + 8` is at most `columns + 15`.
-                let other = unsafe { _mm256_loadu_si256(others[k].add(o).cast()) };
-                let d = if UNEQUAL {
-                    let apart = _mm256_sub_epi32(_mm256_max_epu32(own[k], other), _mm256_min_epu32(own[k], other));
-                    _mm256_min_epu32(apart, _mm256_sub_epi32(periods[k], apart))
-                } else {
-                    _mm256_sub_epi32(own[k], other)
-                };
-                let d = _mm256_cvtepi32_ps(d);
-                r2 = if k == 0 { _mm256_mul_ps(d, d) } else { _mm256_fmadd_ps(d, d, r2) };
-            }
-            let r = _mm256_min_ps(_mm256_max_ps(_mm256_sqrt_ps(r2), least), limit);
-            let bits = _mm256_castps_si256(_mm256_fmadd_ps(r, bins_per_step, shift));
-            let near = _mm256_cmpeq_epi32(_mm256_and_si256(bits, clear), _mm256_setzero_si256());
-            let mask = _mm256_movemask_ps(_mm256_castsi256_ps(near)) as u32;
-            (_mm256_add_epi32(_mm256_srl_epi32(bits, fraction_bits), base), mask)
+        let (groups, left) = (stream.written / LANES, stream.written % LANES);
+        let [a, b] = &mut *stream.rows;
+        let (from, to) = if stream.turn == 0 { (a, b) } else { (b, a) };
+        to[..LANES].copy_from_slice(&from[LANES * groups..][..LANES]);
+        let row = LinearRow::<D> {
+            linear,
+            own: std::array::from_fn(|k| job.own[k][i]),
+            others: std::array::from_fn(|k| job.others[k][first..].as_ptr()),
+            periods: job.periods,
+            len,
+            to: to[left..].as_mut_ptr(),
+            from: from.as_ptr(),
+            groups,
+            histogram: histogram.as_mut_ptr(),
         };
-        if written >= STREAM {
-            // SAFETY: both ends are within the buffer.
-            unsafe { std::ptr::copy(indices.add(counted), indices, written - counted) };
-            (written, counted) = (written - counted, 0);
-        }
-        let mut flags = 0;
-        for o in (0..len).step_by(16) {
-            let (low, low_mask) = eight(o, limit, base);
-            let (high, high_mask) = eight(o + 8, limit_high, base_high);
-            let mask = low_mask | high_mask << 8;
-            // SAFETY: `written < STREAM` and `o + 16 <= COLUMNS + LANES`; at most one flag per 16 columns; what is counted
-            // was written `LAG` before.
-            unsafe {
-                let to = indices.add(written + o);
-                _mm256_storeu_si256(to.cast(), low);
-                _mm256_storeu_si256(to.add(8).cast(), high);
-                *flagged.get_unchecked_mut(flags) = (o as u32) << 16 | mask;
-                flags += usize::from(mask != 0);
-                if written + o >= counted + LAG {
-                    count(indices.add(counted), counters);
-                    counted += 16;
+        // SAFETY: columns are padded by `LANES`; `to` has room for 15 left, `COLUMNS` and padding; all indices of
+        // `linear` are within the histogram.
+        let flagged = unsafe {
+            if AVX512 {
+                linear_row_avx512::<D, UNEQUAL>(&row, &mut flags)
+            } else {
+                linear_row_avx2::<D, UNEQUAL>(&row, &mut flags)
+            }
+        };
+        let indices = &to[left..left + len];
+        for &flag in &flags[..flagged] {
+            let mut mask = flag & 0xffff;
+            while mask != 0 {
+                let o = (flag >> 16) as usize + mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                // What lies beyond the row is none of its pairs.
+                if let Some(&place) = indices.get(o) {
+                    undecided.push(Undecided { i: i as u32, column: (first + o) as u32, place });
                 }
             }
         }
-        // SAFETY: the row was written there.
-        let row = unsafe { std::slice::from_raw_parts(indices.add(written), len) };
-        list(&flagged[..flags], i, first, row, undecided);
-        written += len;
+        (stream.turn, stream.written) = (1 - stream.turn, left + len);
     }
-    (stream.written, stream.counted) = (written, counted);
 }
 
+/// Calls `$compute(o)` for every 16 columns and counts `row.groups` groups, in turns as long as there are both.
+#[cfg(target_arch = "x86_64")]
+macro_rules! compute_and_count {
+    ($row:expr, $compute:expr) => {
+        let row = $row;
+        let computed = row.len.div_ceil(LANES);
+        for g in 0..computed.min(row.groups) {
+            $compute(LANES * g);
+            count(row.from.add(LANES * g), row.histogram);
+        }
+        for g in row.groups..computed {
+            $compute(LANES * g);
+        }
+        for g in computed..row.groups {
+            count(row.from.add(LANES * g), row.histogram);
+        }
+    };
+}
+
+/// Counts 16 indices.
+///
 /// # Safety
-/// AVX-512 F and DQ; otherwise as `linear_avx2`.
+/// There are 16, all below the length of the histogram.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+unsafe fn count(indices: *const u32, histogram: *mut u32) {
+    for k in 0..LANES {
+        // SAFETY: as the caller says.
+        unsafe {
+            let count = histogram.add(*indices.add(k) as usize);
+            *count = (*count).wrapping_add(1);
+        }
+    }
+}
+
+/// The number of flags. Kept apart from its callers, so that constants stay in registers.
+///
+/// # Safety
+/// AVX2 and FMA; what `LinearRow` says of its pointers.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+unsafe fn linear_row_avx2<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'_, D>, flags: &mut Flags) -> usize {
+    let linear = row.linear;
+    let bins_per_step = _mm256_set1_ps(linear.bins_per_step);
+    let shift = _mm256_set1_ps(linear.shift);
+    let least = _mm256_set1_ps(linear.least);
+    let clear = _mm256_set1_epi32(linear.clear as i32);
+    let fraction_bits = _mm_cvtsi32_si128(linear.fraction_bits as i32);
+    let own: [__m256i; D] = row.own.map(|x| _mm256_set1_epi32(x as i32));
+    let periods = row.periods.map(|p| _mm256_set1_epi32(p as i32));
+    // The indices of 8 pairs, and which of them are undecided.
+    let eight = |o: usize, lane: usize| {
+        let mut r2 = _mm256_setzero_ps();
+        for k in 0..D {
+            // SAFETY: columns are padded.
+            let other = unsafe { _mm256_loadu_si256(row.others[k].add(o + lane).cast()) };
+            let d = if UNEQUAL {
+                let apart = _mm256_sub_epi32(_mm256_max_epu32(own[k], other), _mm256_min_epu32(own[k], other));
+                _mm256_min_epu32(apart, _mm256_sub_epi32(periods[k], apart))
+            } else {
+                _mm256_sub_epi32(own[k], other)
+            };
+            let d = _mm256_cvtepi32_ps(d);
+            r2 = if k == 0 { _mm256_mul_ps(d, d) } else { _mm256_fmadd_ps(d, d, r2) };
+        }
+        // SAFETY: the arrays have 16 elements, `lane` is 0 or 8; there is room for 16 indices.
+        unsafe {
+            let limit = _mm256_loadu_ps(linear.limit.as_ptr().add(lane));
+            let base = _mm256_loadu_si256(linear.base.as_ptr().add(lane).cast());
+            let r = _mm256_min_ps(_mm256_max_ps(_mm256_sqrt_ps(r2), least), limit);
+            let bits = _mm256_castps_si256(_mm256_fmadd_ps(r, bins_per_step, shift));
+            let index = _mm256_add_epi32(_mm256_srl_epi32(bits, fraction_bits), base);
+            _mm256_storeu_si256(row.to.add(o + lane).cast(), index);
+            let near = _mm256_cmpeq_epi32(_mm256_and_si256(bits, clear), _mm256_setzero_si256());
+            _mm256_movemask_ps(_mm256_castsi256_ps(near)) as u32
+        }
+    };
+    let mut flagged = 0;
+    let mut sixteen = |o: usize| {
+        let mask = eight(o, 0) | eight(o, 8) << 8;
+        // SAFETY: at most one flag per 16 columns.
+        unsafe { *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask };
+        flagged += usize::from(mask != 0);
+    };
+    // SAFETY: `row` says so.
+    unsafe {
+        compute_and_count!(row, sixteen);
+    }
+    flagged
+}
+
+/// The number of flags.
+///
+/// # Safety
+/// AVX-512 F and DQ; what `LinearRow` says of its pointers.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool>(
-    job: &Rows<'_>,
-    linear: &Linear,
-    stream: &mut Stream,
-    histogram: &mut [u32],
-    undecided: &mut Vec<Undecided>,
-) {
-    let mut flagged = [0u32; COLUMNS / 16 + 1];
+#[inline(never)]
+unsafe fn linear_row_avx512<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'_, D>, flags: &mut Flags) -> usize {
+    let linear = row.linear;
     let bins_per_step = _mm512_set1_ps(linear.bins_per_step);
     let shift = _mm512_set1_ps(linear.shift);
     let least = _mm512_set1_ps(linear.least);
@@ -527,58 +566,37 @@ unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool>(
     // SAFETY: the arrays have 16 elements.
     let (limit, base) =
         unsafe { (_mm512_loadu_ps(linear.limit.as_ptr()), _mm512_loadu_si512(linear.base.as_ptr().cast())) };
-    let periods = job.periods.map(|p| _mm512_set1_epi32(p as i32));
-    // Pointers and numbers of its own, or the loop would read them anew after every store.
-    let (indices, counters) = (stream.indices.as_mut_ptr().cast::<u32>(), histogram.as_mut_ptr());
-    let (mut written, mut counted) = (stream.written, stream.counted);
-    for i in job.rows.clone() {
-        let first = job.first(i);
-        if first >= job.columns {
-            continue;
+    let own: [__m512i; D] = row.own.map(|x| _mm512_set1_epi32(x as i32));
+    let periods = row.periods.map(|p| _mm512_set1_epi32(p as i32));
+    let mut flagged = 0;
+    let mut sixteen = |o: usize| {
+        let mut r2 = _mm512_setzero_ps();
+        for k in 0..D {
+            // SAFETY: columns are padded.
+            let other = unsafe { _mm512_loadu_si512(row.others[k].add(o).cast()) };
+            let d = if UNEQUAL {
+                let apart = _mm512_sub_epi32(_mm512_max_epu32(own[k], other), _mm512_min_epu32(own[k], other));
+                _mm512_min_epu32(apart, _mm512_sub_epi32(periods[k], apart))
+            } else {
+                _mm512_sub_epi32(own[k], other)
+            };
+            let d = _mm512_cvtepi32_ps(d);
+            r2 = if k == 0 { _mm512_mul_ps(d, d) } else { _mm512_fmadd_ps(d, d, r2) };
         }
-        let len = job.columns - first;
-        let own: [__m512i; D] = std::array::from_fn(|k| _mm512_set1_epi32(job.own[k][i] as i32));
-        let others: [*const u32; D] = std::array::from_fn(|k| job.others[k][first..].as_ptr());
-        if written >= STREAM {
-            // SAFETY: both ends are within the buffer.
-            unsafe { std::ptr::copy(indices.add(counted), indices, written - counted) };
-            (written, counted) = (written - counted, 0);
+        let r = _mm512_min_ps(_mm512_max_ps(_mm512_sqrt_ps(r2), least), limit);
+        let bits = _mm512_castps_si512(_mm512_fmadd_ps(r, bins_per_step, shift));
+        let mask = u32::from(_mm512_testn_epi32_mask(bits, clear));
+        let index = _mm512_add_epi32(_mm512_srl_epi32(bits, fraction_bits), base);
+        // SAFETY: there is room for 16 indices, and at most one flag per 16 columns.
+        unsafe {
+            _mm512_storeu_si512(row.to.add(o).cast(), index);
+            *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask;
         }
-        let mut flags = 0;
-        for o in (0..len).step_by(16) {
-            let mut r2 = _mm512_setzero_ps();
-            for k in 0..D {
-                // SAFETY: `first + o + 16` is at most `columns + 15`.
-                let other = unsafe { _mm512_loadu_si512(others[k].add(o).cast()) };
-                let d = if UNEQUAL {
-                    let apart = _mm512_sub_epi32(_mm512_max_epu32(own[k], other), _mm512_min_epu32(own[k], other));
-                    _mm512_min_epu32(apart, _mm512_sub_epi32(periods[k], apart))
-                } else {
-                    _mm512_sub_epi32(own[k], other)
-                };
-                let d = _mm512_cvtepi32_ps(d);
-                r2 = if k == 0 { _mm512_mul_ps(d, d) } else { _mm512_fmadd_ps(d, d, r2) };
-            }
-            let r = _mm512_min_ps(_mm512_max_ps(_mm512_sqrt_ps(r2), least), limit);
-            let bits = _mm512_castps_si512(_mm512_fmadd_ps(r, bins_per_step, shift));
-            let mask = u32::from(_mm512_testn_epi32_mask(bits, clear));
-            let index = _mm512_add_epi32(_mm512_srl_epi32(bits, fraction_bits), base);
-            // SAFETY: `written < STREAM` and `o + 16 <= COLUMNS + LANES`; at most one flag per 16 columns; what is counted
-            // was written `LAG` before.
-            unsafe {
-                _mm512_storeu_si512(indices.add(written + o).cast(), index);
-                *flagged.get_unchecked_mut(flags) = (o as u32) << 16 | mask;
-                flags += usize::from(mask != 0);
-                if written + o >= counted + LAG {
-                    count(indices.add(counted), counters);
-                    counted += 16;
-                }
-            }
-        }
-        // SAFETY: the row was written there.
-        let row = unsafe { std::slice::from_raw_parts(indices.add(written), len) };
-        list(&flagged[..flags], i, first, row, undecided);
-        written += len;
+        flagged += usize::from(mask != 0);
+    };
+    // SAFETY: `row` says so.
+    unsafe {
+        compute_and_count!(row, sixteen);
     }
-    (stream.written, stream.counted) = (written, counted);
+    flagged
 }
