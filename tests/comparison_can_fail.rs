@@ -62,6 +62,26 @@ fn a_weight_beyond_the_bound_and_a_moved_pair_beside_weights_are_caught() {
 }
 
 #[test]
+fn a_lag_on_the_wrong_side_is_caught() {
+    let ensemble = ensemble(&[lattice(2, 8)]);
+    let plan = lag_plan(&ensemble, 8, None, Correction::None);
+    let truth = reference_lags(&plan, &ensemble);
+    let mut other = truth.clone();
+    as_if_by_cpu(&mut other.computed_by);
+    assert_eq!(lags_agree(&other, &truth), Ok(()), "equal counts pass");
+    assert!(lags_agree(&truth, &truth).is_err(), "reference against reference compares nothing");
+    other.cells.sums[3] += 1;
+    other.cells.sums[4] -= 1;
+    assert!(lags_agree(&other, &truth).unwrap_err().contains("cell 3"), "one moved pair");
+    // Edges moved by less than any float between 1/4 and 1/2 could tell.
+    let mut moved = plan.clone();
+    moved.grid.thresholds[0].iter_mut().for_each(|t| *t += 1);
+    let mut moved = reference_lags(&moved, &ensemble);
+    as_if_by_cpu(&mut moved.computed_by);
+    assert!(lags_agree(&moved, &truth).is_err(), "one step of 2^-64");
+}
+
+#[test]
 fn the_same_hand_twice_is_refused() {
     let ensemble = ensemble(&[uniform(2, 20, 1)]);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);

@@ -3,11 +3,11 @@
 mod common;
 
 use common::*;
-use pairwave::accumulate::{PairCounts, PairHistogram, WavePower};
+use pairwave::accumulate::{LagCounts, PairCounts, PairHistogram, WavePower};
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, binned_kernel_sums, cpu::Cpu, reference::Reference};
 use pairwave::estimate::{
     CrossValidation, Curve, Envelope, ErrorSource, KernelEstimate, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum,
+    RadialSpectrum, VectorCorrelation,
 };
 use pairwave::plan::{
     Accuracy, Bandwidth, BandwidthSearch, BinScale, Correction, Divisor, EnsembleShape, Kernel, KernelPlan, KernelRoad,
@@ -592,5 +592,93 @@ fn random_patterns_are_rejected_as_often_as_stated() {
         let e = among(jittered, seed);
         assert_eq!(e.p, 1.0 / 40.0, "the smallest there is");
         assert!((0..20).any(|k| outside(&e, &e.global, k)));
+    }
+}
+
+#[test]
+fn vector_g_and_its_error_across_realizations() {
+    let e = ensemble(&(0..6).map(|i| uniform(2, 40, 70 + i)).collect::<Vec<_>>());
+    let plan = lag_plan(&e, 5, Some(0.4), Correction::None);
+    let g = VectorCorrelation::new(&plan, &reference_lags(&plan, &e), Normalization::Pairs);
+    assert_eq!(g.errors, ErrorSource::AcrossRealizations);
+    // Of a cell, and of sectors by the cells they name.
+    let statistics = |cells: &[usize]| {
+        let of = |k: usize| {
+            let counts = reference_lags(&plan, &e.slice(k..k + 1)).cells.sums;
+            let sum: u128 = cells.iter().map(|&c| counts[c]).sum();
+            sum as f64 / (40.0 * 39.0 * 0.16 * 0.16 * cells.len() as f64)
+        };
+        let each: Vec<f64> = (0..6).map(of).collect();
+        let mean = each.iter().sum::<f64>() / 6.0;
+        (mean, (each.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 5.0 / 6.0).sqrt())
+    };
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-10 * (1.0 + b), "{a} against {b}");
+    for c in 0..25 {
+        let (mean, se) = statistics(&[c]);
+        close(g.g[c], mean);
+        close(g.g_se[c], se);
+    }
+    assert!(!g.sectors.is_empty());
+    for (sector, plan) in g.sectors.iter().zip(&plan.sectors) {
+        match sector.g {
+            Some(value) => {
+                let (mean, se) = statistics(&plan.cells.iter().map(|&c| c as usize).collect::<Vec<_>>());
+                close(value, mean);
+                close(sector.g_se.unwrap(), se);
+            }
+            None => assert!(plan.cells.is_empty()),
+        }
+    }
+}
+
+#[test]
+fn vector_g_of_one_realization_gets_poisson_errors() {
+    let e = ensemble(&[uniform(1, 50, 1)]);
+    let plan = lag_plan(&e, 3, None, Correction::None);
+    let mut counts = LagCounts::new(tag(), &plan);
+    counts.add(&plan, &PairHistogram::new(50, vec![900, 0, 900], None));
+    let g = VectorCorrelation::new(&plan, &counts, Normalization::Intensity);
+    assert_eq!(g.errors, ErrorSource::Theory);
+    let expected = 2500.0 / 3.0;
+    assert!((g.g[0] - 900.0 / expected).abs() < 1e-12, "n^2");
+    assert!((g.g_se[0] - 30.0 / expected).abs() < 1e-12, "each of 900 unordered pairs is once in this cell");
+    assert!((g.g_se[1] - 2.0 / expected).abs() < 1e-12, "the middle cell gets one pair twice");
+}
+
+/// Pairs expected in a window are integrals of its set covariance: with as many pairs as expected g is 1 in every cell.
+#[test]
+fn translation_correction_is_the_integral_of_the_set_covariance() {
+    let window = Domain::window(&[(0.0, 2.0), (1.0, 2.0)]).unwrap();
+    let e = ensemble_in(&window, &(0..50).map(|i| uniform(2, 30, 400 + i)).collect::<Vec<_>>());
+    for (bins, lag_max) in [(6, None), (7, None), (5, Some(0.8))] {
+        let plan = lag_plan(&e, bins, lag_max, Correction::Translation);
+        let mut counts = LagCounts::new(tag(), &plan);
+        let n = 1_000_000u64;
+        let gamma = |x: f64, y: f64| (2.0 - x.abs()).max(0.0) * (1.0 - y.abs()).max(0.0);
+        let integral = |c: usize| {
+            let steps = 64;
+            let at = |axis: usize, s: usize| {
+                plan.grid.centre(c, axis) + plan.grid.width(axis) * ((s as f64 + 0.5) / steps as f64 - 0.5)
+            };
+            let sum: f64 = (0..steps * steps).map(|s| gamma(at(0, s / steps), at(1, s % steps))).sum();
+            sum / (steps * steps) as f64 * plan.grid.width(0) * plan.grid.width(1)
+        };
+        let pairs = (n * (n - 1)) as f64;
+        let expected: Vec<u64> = (0..plan.grid.cells()).map(|c| (pairs * integral(c) / 4.0) as u64).collect();
+        counts.add(&plan, &PairHistogram::new(n, expected, None));
+        let g = VectorCorrelation::new(&plan, &counts, Normalization::Pairs);
+        // The middle rule is exact but where the integrand bends.
+        assert!(g.g.iter().all(|g| (g - 1.0).abs() < 1e-3), "{bins} bins: {:?}", g.g);
+        assert!(g.sectors.iter().all(|s| s.g.is_none_or(|g| (g - 1.0).abs() < 1e-3)), "{:?}", g.sectors);
+        // And independent points have it.
+        let g = VectorCorrelation::new(&plan, &reference_lags(&plan, &e), Normalization::Pairs);
+        let z: Vec<f64> =
+            (0..plan.grid.cells() / 2).filter(|&c| g.count[c] > 50).map(|c| (g.g[c] - 1.0) / g.g_se[c]).collect();
+        let mean_square = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
+        assert!((0.4..1.9).contains(&mean_square), "mean square {mean_square} of {} deviations", z.len());
+        // Without correction long lags are missed.
+        let plain = lag_plan(&e, bins, lag_max, Correction::None);
+        let plain = VectorCorrelation::new(&plain, &reference_lags(&plain, &e), Normalization::Pairs);
+        assert!(plain.g[0] < 0.5 * g.g[0] || g.g[0] == 0.0, "{} against {}", plain.g[0], g.g[0]);
     }
 }

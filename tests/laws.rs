@@ -4,10 +4,10 @@
 mod common;
 
 use common::*;
-use pairwave::accumulate::{LEAF, PairCounts, WavePower};
+use pairwave::accumulate::{LEAF, LagCounts, PairCounts, WavePower};
 use pairwave::compute::{Compute, Control, cpu::Cpu, reference::Reference};
 use pairwave::estimate::PowerSpectrum;
-use pairwave::plan::{Accuracy, Correction, PairPlan, RadialBins, WavePlan};
+use pairwave::plan::{Accuracy, Correction, LagPlan, PairPlan, RadialBins, WavePlan};
 use pairwave::points::{Ensemble, RawPoints};
 
 /// A law holds for whoever computes.
@@ -18,6 +18,10 @@ fn for_each_hand(law: impl Fn(&dyn Compute)) {
 
 fn counts(hand: &dyn Compute, plan: &PairPlan, ensemble: &Ensemble) -> PairCounts {
     hand.pair_counts(plan, ensemble, &Control::default()).unwrap()
+}
+
+fn lags(hand: &dyn Compute, plan: &LagPlan, ensemble: &Ensemble) -> LagCounts {
+    hand.lag_counts(plan, ensemble, &Control::default()).unwrap()
 }
 
 fn power(hand: &dyn Compute, plan: &WavePlan, ensemble: &Ensemble) -> WavePower {
@@ -158,4 +162,89 @@ fn points_of_a_torus_fold() {
         error,
         "test, point 0: y = 3 is outside [0, 3); --wrap folds points in, --box sets the sides, --window a window"
     );
+}
+
+#[test]
+fn opposite_lags_are_counted_alike_whatever_the_order() {
+    for_each_hand(|hand| {
+        for case in lag_cases(60) {
+            let counts = lags(hand, &case.plan, &case.ensemble);
+            let c = &counts.cells.sums;
+            assert!(c.iter().eq(c.iter().rev()), "{}: c(k) = c(B - 1 - k)", case.name);
+            // The points in reverse order.
+            let domain = case.ensemble.domain();
+            let sets: Vec<_> = (0..case.ensemble.realizations())
+                .map(|k| (0..case.ensemble.points_in(k)).rev().flat_map(|j| case.ensemble.position(k, j)).collect())
+                .map(|coordinates| raw(domain.dim(), coordinates))
+                .collect();
+            let there = Ensemble::from_raw(&sets, domain, true, 0).unwrap();
+            let sets: Vec<_> = sets
+                .into_iter()
+                .map(|set| raw(set.dim, set.coordinates.chunks(set.dim).rev().flatten().copied().collect()))
+                .collect();
+            let back = Ensemble::from_raw(&sets, domain, true, 0).unwrap();
+            assert_eq!(lags(hand, &case.plan, &there), lags(hand, &case.plan, &back), "{}", case.name);
+        }
+    });
+}
+
+#[test]
+fn a_grid_of_all_lags_holds_all_pairs() {
+    for_each_hand(|hand| {
+        for dim in 1..=3 {
+            let sets = [dyadic(dim, 70, 1), lattice(dim, 4), coincident(dim, 9)];
+            let pairs: u128 = sets.iter().map(|s| (s.len() * (s.len() - 1)) as u128).sum();
+            let torus = ensemble(&sets);
+            let unequal = ensemble_in(&pairwave::points::Domain::torus(&[1.0, 0.7, 0.3][..dim]).unwrap(), &sets);
+            let ranges = &[(0.0, 3.0), (1.0, 2.0), (-1.0, 1.0)][..dim];
+            let window = ensemble_in(&pairwave::points::Domain::window(ranges).unwrap(), &sets);
+            for ensemble in [torus, unequal, window] {
+                for bins in [1, 6, 7] {
+                    let plan = lag_plan(&ensemble, bins, None, Correction::None);
+                    let total: u128 = lags(hand, &plan, &ensemble).cells.sums.iter().sum();
+                    assert_eq!(total, pairs, "{:?}, {bins} bins", ensemble.domain());
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_shift_of_the_torus_changes_no_lag() {
+    for_each_hand(|hand| {
+        for dim in 1..=3 {
+            let still = dyadic(dim, 90, 1);
+            let mut shifted = still.clone();
+            shifted.coordinates.iter_mut().for_each(|x| *x = (*x + 0.3125) % 1.0);
+            let (a, b) = (ensemble(&[still]), ensemble(&[shifted]));
+            // Edges in multiples of 2^-5: many lags lie on them.
+            let plan = lag_plan(&a, 32, None, Correction::None);
+            assert_eq!(lags(hand, &plan, &a), lags(hand, &plan, &b), "{dim}D");
+        }
+    });
+}
+
+#[test]
+fn sectors_are_the_cells_of_their_ring() {
+    for_each_hand(|hand| {
+        let ensemble = ensemble(&[uniform(2, 200, 3), clustered(2, 100, 4)]);
+        for bins in [40, 41] {
+            let plan = lag_plan(&ensemble, bins, None, Correction::None);
+            let counts = lags(hand, &plan, &ensemble);
+            let mut first = 0;
+            for ring in plan.sectors.chunk_by(|a, b| a.r == b.r) {
+                let whole: u128 = (0..plan.grid.cells())
+                    .filter(|&c| {
+                        let r = plan.grid.centre(c, 0).hypot(plan.grid.centre(c, 1));
+                        (ring[0].r[0]..ring[0].r[2]).contains(&r)
+                    })
+                    .map(|c| counts.cells.sums[c])
+                    .sum();
+                let halves: u128 = counts.sectors.sums[first..first + ring.len()].iter().sum();
+                assert_eq!(2 * halves, whole, "sectors hold one of each mirror pair");
+                first += ring.len();
+            }
+            assert!(first >= 3 * 4 && first == plan.sectors.len(), "three rings");
+        }
+    });
 }

@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use pairwave::compute::reference::{isotropic_weight, weighted_pair};
-use pairwave::estimate::{Normalization, PairCorrelation, PowerSpectrum};
+use pairwave::estimate::{Normalization, PairCorrelation, PowerSpectrum, VectorCorrelation};
 use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
@@ -350,4 +350,104 @@ fn weighted_points_by_hand() {
     // A largest weight that is a power of two is exactly 1.
     let powers = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[0.25, 0.125, 1e-9]);
     assert_eq!(powers.masses(0).unwrap(), [one, half, 0]);
+}
+
+/// Pairs per cell of lags of one set of points, by the reference.
+fn lags(domain: &Domain, dim: usize, points: &[f64], bins: usize, lag_max: Option<f64>) -> Vec<u128> {
+    let ensemble = Ensemble::from_raw(&[raw(dim, points.to_vec())], domain, false, 0).unwrap();
+    reference_lags(&lag_plan(&ensemble, bins, lag_max, Correction::None), &ensemble).cells.sums
+}
+
+/// The cells that hold pairs, and how many.
+fn filled(counts: &[u128]) -> Vec<(usize, u128)> {
+    counts.iter().copied().enumerate().filter(|c| c.1 > 0).collect()
+}
+
+#[test]
+fn lags_on_a_line_by_hand() {
+    // Edges -1/2, -1/4, 0, 1/4 and 1/2.
+    let of = |a: f64, b: f64| lags(&Domain::unit_torus(1), 1, &[a, b], 4, None);
+    assert_eq!(of(0.1, 0.2), [0, 1, 1, 0], "0.1 and its mirror image");
+    assert_eq!(of(0.2, 0.1), [0, 1, 1, 0]);
+    assert_eq!(of(0.05, 0.85), [0, 1, 1, 0], "across the side");
+    assert_eq!(of(0.5, 0.75), [1, 0, 0, 1], "1/4 is on an edge: right of it, and its mirror image left of -1/4");
+    assert_eq!(of(0.75, 0.5), [1, 0, 0, 1]);
+    assert_eq!(of(0.25, 0.75), [1, 0, 0, 1], "half a period is -1/2, and mirrored in the last bin");
+    assert_eq!(of(0.3, 0.3), [0, 1, 1, 0], "lag 0 is right of the edge 0, and mirrored left of it");
+    // Edges -3/8, -1/8, 1/8 and 3/8: lag 0 in the middle of a bin that is its own mirror image.
+    let odd = |a: f64, b: f64| lags(&Domain::unit_torus(1), 1, &[a, b], 3, Some(0.375));
+    assert_eq!(odd(0.3, 0.3), [0, 2, 0]);
+    assert_eq!(odd(0.3, 0.35), [0, 2, 0]);
+    assert_eq!(odd(0.25, 0.375), [1, 0, 1], "1/8 is on an edge: outside the middle on both sides");
+    assert_eq!(odd(0.0, 0.375), [0, 0, 0], "3/8 is beyond the last bin, and so is its mirror image");
+    assert_eq!(odd(0.0, 0.5), [0, 0, 0]);
+}
+
+#[test]
+fn lags_in_2d_and_3d_by_hand() {
+    // Two bins per axis: cell 2 x + y with x, y = 0 for negative, 1 for positive components.
+    let of = |points: [f64; 4]| filled(&lags(&Domain::unit_torus(2), 2, &points, 2, None));
+    let (diagonal, other) = (vec![(0, 1), (3, 1)], vec![(1, 1), (2, 1)]);
+    assert_eq!(of([0.0, 0.0, 0.1, 0.2]), diagonal);
+    assert_eq!(of([0.0, 0.2, 0.1, 0.0]), other);
+    assert_eq!(of([0.1, 0.0, 0.0, 0.2]), other, "the same lag from the other end");
+    assert_eq!(of([0.5, 0.0, 0.5, 0.2]), diagonal, "(0, 0.2): 0 is its own negative, so the second component decides");
+    assert_eq!(of([0.5, 0.2, 0.5, 0.0]), diagonal);
+    assert_eq!(of([0.0, 0.0, 0.5, 0.2]), other, "(-1/2, 0.2): so is half a period");
+    assert_eq!(of([0.5, 0.2, 0.0, 0.0]), other);
+    assert_eq!(of([0.0, 0.0, 0.2, 0.5]), other, "(0.2, -1/2)");
+    assert_eq!(of([0.0, 0.0, 0.5, 0.5]), diagonal, "(-1/2, -1/2) is its own negative as a whole");
+    assert_eq!(of([0.3, 0.3, 0.3, 0.3]), diagonal, "and so is lag 0");
+    // Four bins: (0.3, -1/4), whose second component is on the edge between bins 0 and 1.
+    let four = lags(&Domain::unit_torus(2), 2, &[0.0, 0.25, 0.3, 0.0], 4, None);
+    assert_eq!(filled(&four), [(2, 1), (3 * 4 + 1, 1)]);
+    // The last edge of a shorter grid.
+    let short = |points: [f64; 4]| filled(&lags(&Domain::unit_torus(2), 2, &points, 2, Some(0.25)));
+    assert_eq!(short([0.0, 0.25, 0.1, 0.0]), other, "(0.1, -1/4) is inside, so its mirror image counts, too");
+    assert_eq!(short([0.0, 0.0, 0.1, 0.25]), [], "(0.1, 1/4) is not");
+    assert_eq!(short([0.0, 0.0, 0.25, 0.1]), []);
+    // Unequal sides: 0.05 to 0.45 is -0.1 on a side of 1/2.
+    let torus = Domain::torus(&[1.0, 0.5]).unwrap();
+    assert_eq!(filled(&lags(&torus, 2, &[0.0, 0.05, 0.1, 0.45], 2, None)), other);
+    assert_eq!(filled(&lags(&torus, 2, &[0.0, 0.0, 0.1, 0.25], 2, None)), other, "(0.1, -1/4): half of that period");
+    // Three components, cell 4 x + 2 y + z.
+    let of = |points: [f64; 6]| filled(&lags(&Domain::unit_torus(3), 3, &points, 2, None));
+    assert_eq!(of([0.5, 0.5, 0.1, 0.5, 0.5, 0.2]), [(0, 1), (7, 1)]);
+    assert_eq!(of([0.5, 0.4, 0.1, 0.5, 0.3, 0.2]), [(1, 1), (6, 1)]);
+    assert_eq!(of([0.0, 0.0, 0.0, 0.1, 0.9, 0.5]), [(3, 1), (4, 1)]);
+}
+
+#[test]
+fn lags_in_a_window_by_hand() {
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let of = |points: [f64; 4]| filled(&lags(&window, 2, &points, 2, None));
+    assert_eq!(of([0.0, 0.0, 1.5, 0.5]), [(0, 1), (3, 1)], "no minimum image");
+    assert_eq!(of([1.5, 0.0, 0.0, 0.5]), [(1, 1), (2, 1)]);
+    // Sides are closed, so lags may span them.
+    assert_eq!(of([0.0, 1.0, 0.5, 0.0]), [(1, 1), (2, 1)], "(1/2, -1) is in the first bin of y");
+    assert_eq!(of([0.0, 0.0, 0.5, 1.0]), [], "(1/2, 1) is beyond the last");
+    assert_eq!(of([0.0, 0.0, 2.0, 0.5]), [], "and (2, 1/2) beyond that of x");
+    assert_eq!(of([0.0, 0.5, 2.0, 0.0]), [], "(2, -1/2) as well: a window has no half period");
+    let line = Domain::window(&[(-1.0, 1.0)]).unwrap();
+    assert_eq!(lags(&line, 1, &[-1.0, 0.5], 4, None), [1, 0, 0, 1]);
+    assert_eq!(lags(&line, 1, &[-1.0, 1.0], 4, None), [0; 4]);
+}
+
+#[test]
+fn jittered_vector_g_is_its_closed_form() {
+    // g(h) = n / (n - 1) (1 - (1 - k |x|)+ (1 - k |y|)+), whose mean over a cell is a product of means: each side of a
+    // cell lies within a linear piece, so that its mean is the value in the middle.
+    let k = 4usize;
+    let n = (k * k) as f64;
+    let sets: Vec<_> = (0..600).map(|i| jittered(k, 3000 + i)).collect();
+    let ensemble = ensemble(&sets);
+    let plan = lag_plan(&ensemble, 16, None, Correction::None);
+    let g = VectorCorrelation::new(&plan, &reference_lags(&plan, &ensemble), Normalization::Pairs);
+    let tent = |h: f64| (1.0 - k as f64 * h.abs()).max(0.0);
+    let theory = |c: usize| (1.0 - tent(plan.grid.centre(c, 0)) * tent(plan.grid.centre(c, 1))) * n / (n - 1.0);
+    // Half of the cells: the others are mirror images.
+    let deviations: Vec<f64> = (0..128).map(|c| (g.g[c] - theory(c)) / g.g_se[c]).collect();
+    assert_standard("jittered g(h)", &deviations);
+    let least = (0..256).min_by(|&a, &b| g.g[a].total_cmp(&g.g[b])).unwrap();
+    assert!(g.g[least] < 0.4 && [7 * 16 + 7, 7 * 16 + 8].contains(&least), "lowest at lag 0: {least}");
 }

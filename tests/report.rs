@@ -17,7 +17,7 @@ use pairwave::analysis::{Analysis, ClosedForm, Envelopes};
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
 use pairwave::estimate::{
     Curve, Envelope, ErrorSource, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum,
+    RadialSpectrum, VectorCorrelation,
 };
 use pairwave::plan::{
     Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, RadialBins, Rings, SmoothingKernel,
@@ -33,6 +33,8 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
     let correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
     let pair_plan = pair_plan(&ensemble, bins, correction);
     let counts = reference_counts(&pair_plan, &ensemble);
+    let lag_plan = lag_plan(&ensemble, 24, None, correction);
+    let lags = reference_lags(&lag_plan, &ensemble);
     let wave_plan = wave_plan(&ensemble, f, Accuracy::High);
     let power = reference_power(&wave_plan, &ensemble);
     let spectrum = PowerSpectrum::new(&wave_plan, &power);
@@ -48,8 +50,8 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         cross: None,
         k_function: None,
         kernel: None,
-        vector: None,
         envelopes: None,
+        vector: Some(VectorCorrelation::new(&lag_plan, &lags, Normalization::Pairs)),
         spectrum: Some(spectrum),
         grid_wanted: true,
         radial: Some(radial),
@@ -313,14 +315,12 @@ fn page_is_self_contained(name: &str, page: &str) {
     // The head is HTML (void elements); the body is written so that it is XML too, but for the image.
     let body = page.split_once("<body>").unwrap().1.split_once("</body>").unwrap().0;
     let body = body.replace("&nbsp;", " ");
-    let closed = match body.split_once("<img ") {
-        Some((before, rest)) => {
-            let (attributes, after) = rest.split_once('>').unwrap();
-            assert!(attributes.contains("src=\"data:image/png;base64,"), "{name}");
-            format!("{before}{after}")
-        }
-        None => body,
-    };
+    let mut closed = body;
+    while let Some((before, rest)) = closed.split_once("<img ") {
+        let (attributes, after) = rest.split_once('>').unwrap();
+        assert!(attributes.contains("src=\"data:image/png;base64,"), "{name}");
+        closed = format!("{before}{after}");
+    }
     let parsed = format!("<body>{closed}</body>");
     let body = roxmltree::Document::parse(&parsed).unwrap_or_else(|e| panic!("{name}: {e}"));
     for node in body.descendants() {
@@ -338,6 +338,12 @@ fn files_for_what_there_is() {
         "anisotropy.svg",
         "pcf.csv",
         "pcf.svg",
+        "pcf_angular.csv",
+        "pcf_angular.svg",
+        "pcf_vector.npy",
+        "pcf_vector.png",
+        "pcf_vector_counts.npy",
+        "pcf_vector_se.npy",
         "points.svg",
         "report.html",
         "spectrum.npy",
@@ -358,14 +364,24 @@ fn files_for_what_there_is() {
     let one = analyze("1D", &Domain::unit_torus(1), &[uniform(1, 9, 1)], bins(), &[5]);
     let dir = root.path().join("one");
     report::write(&dir, &one, false).unwrap();
-    assert!(!listing(&dir).iter().any(|f| ["spectrum_se.npy", "spectrum.png", "anisotropy.svg"].contains(&f.as_str())));
+    let not = [
+        "spectrum_se.npy",
+        "spectrum.png",
+        "anisotropy.svg",
+        "pcf_vector_se.npy",
+        "pcf_vector.png",
+        "pcf_angular.csv",
+        "pcf_angular.svg",
+    ];
+    assert!(!listing(&dir).iter().any(|f| not.contains(&f.as_str())));
 
     let mut bare = small();
     (bare.pair_correlation, bare.spectrum, bare.radial, bare.neighbors) = (None, None, None, None);
+    bare.vector = None;
     let dir = root.path().join("bare");
     report::write(&dir, &bare, false).unwrap();
     assert_eq!(listing(&dir), ["points.svg", "report.html", "summary.json"]);
-    for key in ["accuracy", "pair_correlation", "spectrum", "radial", "neighbors"] {
+    for key in ["accuracy", "pair_correlation", "vector_correlation", "spectrum", "radial", "neighbors"] {
         assert!(json(&dir)[key].is_null(), "{key}");
     }
 }
@@ -452,6 +468,48 @@ fn grids_read_back_with_x_first_and_dc_in_the_middle() {
             assert_eq!(values[at], half[spectrum.grid.half_index([m0, m1, 0])], "{file} at {m0}, {m1}");
         }
     }
+}
+
+/// One cell off the diagonals, at a quarter to the right and three quarters up, is told from all others in every file.
+#[test]
+fn the_vector_g_has_x_first_and_y_upward() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    let vector = a.vector.as_mut().unwrap();
+    let (x, y) = (5, 17);
+    vector.g.fill(1.0);
+    vector.g[x * 24 + y] = 7.25;
+    (vector.g[0], vector.g[1], vector.count[3]) = (0.25, 0.25, 12_345);
+    let sector = vector.sectors[1];
+    report::write(root.path(), &a, false).unwrap();
+    let bytes = fs::read(root.path().join("pcf_vector.npy")).unwrap();
+    let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+    assert_eq!((npy.shape(), npy.order()), (&[24, 24][..], npyz::Order::C));
+    assert_eq!(npy.into_vec::<f64>().unwrap()[x * 24 + y], 7.25);
+    let bytes = fs::read(root.path().join("pcf_vector_counts.npy")).unwrap();
+    assert_eq!(npyz::NpyFile::new(&bytes[..]).unwrap().into_vec::<u64>().unwrap()[3], 12_345);
+
+    let (_, angular) = columns(&root.path().join("pcf_angular.csv"));
+    assert_eq!(floats(&angular["theta"])[1], sector.theta[1]);
+    assert_eq!(floats(&angular["g"])[1], sector.g.unwrap());
+    assert_eq!(angular["count"][1], sector.count.to_string());
+
+    let mut reader =
+        png::Decoder::new(std::io::BufReader::new(fs::File::open(root.path().join("pcf_vector.png")).unwrap()))
+            .read_info()
+            .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let zoom = info.width as usize / 24;
+    let at = |x: usize, y: usize| -> [u8; 3] {
+        let pixel = 3 * ((zoom * (23 - y) + zoom / 2) * info.width as usize + zoom * x + zoom / 2);
+        pixels[pixel..pixel + 3].try_into().unwrap()
+    };
+    assert!(at(x, y)[0] > 150 && at(x, y)[2] < 80, "red: {:?}", at(x, y));
+    assert!(at(0, 0)[2] > 150 && at(0, 1)[0] < 80, "blue: {:?}", at(0, 0));
+    assert!(at(23 - x, y)[1] > 200 && at(x, 23 - y)[1] > 200 && at(y, x)[1] > 200, "all others are white");
+    // All but one in a thousand: two cells reach 0.75 from 1, so that is where colours end.
+    assert_eq!(json(root.path())["vector_correlation"]["picture_range"], serde_json::json!([0.25, 1.75]));
 }
 
 #[test]

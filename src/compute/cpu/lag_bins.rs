@@ -108,16 +108,19 @@ fn count_any<const D: usize, const UNEQUAL: bool>(
     undecided: &mut Vec<(u32, u32)>,
 ) {
     let (f, dump) = (&places.filter, places.dump);
-    let mut slots = [[0u32; LANES]; COLUMNS / LANES];
-    // Where groups with undecided pairs begin, and which: kept for later, so that the loop has no branches.
+    let mut slots = [[0u32; LANES]; COLUMNS / LANES + 1];
+    // Where groups with undecided pairs begin, and which of them: kept for later, so that the loop has no branches.
     let mut flagged = [(0usize, [0u32; LANES]); COLUMNS / LANES + 1];
     for i in job.rows.clone() {
         let first = job.columns.start.max(i + 1);
         let len = job.columns.end.saturating_sub(first);
         let own: [u32; D] = std::array::from_fn(|k| job.axes[k][i]);
-        let mut flags = 0;
-        for (slots, begin) in slots.iter_mut().zip((0..len).step_by(LANES)) {
-            let (mut place, mut outside, mut near) = ([0u32; LANES], [0u32; LANES], [0u32; LANES]);
+        // Groups kept, because a pair of theirs is within the grid, and groups with undecided pairs.
+        let (mut groups, mut flags) = (0, 0);
+        for begin in (0..len).step_by(LANES) {
+            let (mut place, mut near) = ([0u32; LANES], [0u32; LANES]);
+            // Lanes past the last column are outside.
+            let mut outside: [u32; LANES] = std::array::from_fn(|l| u32::from(l >= len - begin));
             for k in 0..D {
                 let others = &job.axes[k][first + begin..first + begin + LANES];
                 for l in 0..LANES {
@@ -137,23 +140,26 @@ fn count_any<const D: usize, const UNEQUAL: bool>(
                     near[l] |= u32::from(above.abs() <= f.guard[k]);
                 }
             }
-            let mut any = 0;
+            let (mut any_inside, mut any_near) = (0, 0);
+            let slots = &mut slots[groups];
             for l in 0..LANES {
                 near[l] &= !outside[l];
-                any |= near[l];
+                any_inside |= 1 - outside[l];
+                any_near |= near[l];
                 slots[l] = if (outside[l] | near[l]) != 0 { dump + l as u32 } else { place[l] };
             }
+            groups += any_inside as usize;
             flagged[flags] = (begin, near);
-            flags += any as usize;
+            flags += any_near as usize;
         }
         for (begin, near) in &flagged[..flags] {
-            for l in 0..LANES.min(len - begin) {
+            for l in 0..LANES {
                 if near[l] != 0 {
                     undecided.push((i as u32, (first + begin + l) as u32));
                 }
             }
         }
-        for &slot in &slots.as_flattened()[..len] {
+        for &slot in slots[..groups].as_flattened() {
             let count = &mut histogram[slot as usize];
             *count = count.wrapping_add(1);
         }
