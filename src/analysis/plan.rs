@@ -54,6 +54,13 @@ impl Plan {
         if let Some(bins) = bins.as_ref().filter(|_| k_function) {
             check_bins_of_k(request, bins, domain)?;
         }
+        if request.kernel.is_some() && correction == Correction::Border {
+            return Err(Error::setting(
+                "--correction",
+                correction,
+                "is not for kernels; expected translation or isotropic",
+            ));
+        }
         let fine = match (&bins, request.kernel) {
             (Some(bins), Some(kernel)) => {
                 let kernel = Kernel::new(kernel, request.bandwidth, domain, shape.mean_points)?;
