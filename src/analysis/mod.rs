@@ -167,11 +167,19 @@ pub fn run(
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
     }
     let empty = sums.pairs.as_ref().map_or(0, |p| p.counts.iter().filter(|&&c| c == 0).count());
-    if empty > 0 && shape.realizations >= 2 {
+    if empty > 0 && shape.realizations >= 2 && plan.pcf {
         warnings.push(format!(
             "no realization has a pair in {empty} of {} bins: g = 0 there, and its standard error across realizations is 0",
             plan.pairs.as_ref().map_or(0, |p| p.bins.len())
         ));
+    }
+    let unseen = sums.pairs.as_ref().map_or(0, |p| p.bins.norms.iter().filter(|n| n[0].sum == 0).count());
+    if unseen > 0 && unseen < sums.pairs.as_ref().map_or(0, |p| p.counts.len()) {
+        warnings.push(format!("no point is far enough from the border for {unseen} of the bins: they are left empty"));
+    }
+    if plan.pairs.as_ref().is_some_and(|p| p.masses) && (plan.waves.is_some() || plan.neighbors) {
+        let warning = "weights of points enter g and K only: P and distances to neighbours take every point alike";
+        warnings.push(warning.to_string());
     }
     if let Some(waves) = plan.waves.as_ref().filter(|_| request.max_frequency.is_none()) {
         let (reach, wanted) =
