@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 use common::*;
 use pairwave::Error;
 use pairwave::analysis::{Analysis, ClosedForm};
-use pairwave::compute::{Backend, ComputedBy};
+use pairwave::compute::neighbors::neighbor_sums;
+use pairwave::compute::{Backend, ComputedBy, Control};
 use pairwave::estimate::{
-    Kernel, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    SmoothingKernel,
+    Kernel, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, SmoothingKernel,
 };
-use pairwave::plan::{Accuracy, Correction, RadialBins, Rings, WaveGrid};
+use pairwave::plan::{Accuracy, Correction, NeighborPlan, RadialBins, Rings, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
 
@@ -46,13 +46,7 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         spectrum: Some(spectrum),
         grid_wanted: true,
         radial: Some(radial),
-        neighbors: Some(NeighborDistances {
-            minimum: Some(0.001_234),
-            mean: Some(0.020_5),
-            mean_se: Some(0.000_1),
-            minimum_relative: Some(0.036_7),
-            mean_relative: Some(0.61),
-        }),
+        neighbors: Some(neighbors(&ensemble)),
         closed_form: ClosedForm::default(),
         accuracy: Accuracy::High,
         computed_by: ComputedBy::new(Backend::Reference, "one core, f64 and exact integers"),
@@ -62,6 +56,12 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         warnings: Vec::new(),
         first: ensemble.slice(0..1),
     }
+}
+
+fn neighbors(ensemble: &Ensemble) -> Neighbors {
+    let plan = NeighborPlan::new(ensemble.domain(), None, shape(ensemble)).unwrap();
+    let sums = neighbor_sums(&plan, ensemble, &Control::default()).unwrap();
+    Neighbors::new(&plan, &sums, shape(ensemble))
 }
 
 /// One point in each cell of a k x k grid: P = 1 - sinc^2 sinc^2, g from the overlap of cells.
@@ -190,16 +190,9 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     zero(&mut a);
     scenes.push(("one bin", a));
 
-    let mut a = analyze("one point", &unit(2), &[uniform(2, 1, 1)], linear(0.5, 8), &[3, 3]);
+    let a = analyze("one point", &unit(2), &[uniform(2, 1, 1)], linear(0.5, 8), &[3, 3]);
     // 0/0, as the estimate documents it.
     assert!(a.pair_correlation.as_ref().unwrap().g[0].is_nan());
-    a.neighbors = Some(NeighborDistances {
-        minimum: None,
-        mean: None,
-        mean_se: None,
-        minimum_relative: None,
-        mean_relative: None,
-    });
     scenes.push(("one point", a));
 
     let many = if large { 30_000 } else { 20_001 };
@@ -413,7 +406,7 @@ fn the_summary_holds_the_scalars() {
     let mut a = small();
     a.parameters = vec![("z".into(), "1".into()), ("a".into(), "2".into()), ("z".into(), "3".into())];
     a.warnings = vec!["mind \"this\"".into()];
-    a.neighbors.as_mut().unwrap().mean_se = Some(f64::NAN);
+    a.neighbors.as_mut().unwrap().distances.mean_se = Some(f64::NAN);
     report::write(root.path(), &a, false).unwrap();
     let summary = json(root.path());
     assert_eq!(summary["schema"], 1);

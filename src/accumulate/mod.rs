@@ -1,9 +1,13 @@
 //! 4. Mergeable raw sums. No divisions here.
 
+mod neighbor_sums;
 mod ordered_sum;
 mod pair_counts;
 mod wave_power;
 
+pub use neighbor_sums::{
+    Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, RealizationNeighbors,
+};
 pub use ordered_sum::{LEAF, OrderedSum};
 pub use pair_counts::{BorderHistogram, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
 pub use wave_power::{PowerMoments, WavePower};

@@ -10,13 +10,11 @@ pub use plan::Plan;
 use plan::check_points;
 use sums::Sums;
 
-use crate::accumulate::PairCounts;
+use crate::accumulate::{NeighborSums, PairCounts};
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
-use crate::estimate::{
-    KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-};
-use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
+use crate::estimate::{KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum};
+use crate::plan::{Accuracy, Correction, EnsembleShape, NeighborPlan, PairPlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -46,8 +44,8 @@ pub struct Analysis {
     pub grid_wanted: bool,
     /// Radial mean and anisotropy.
     pub radial: Option<RadialSpectrum>,
-    /// Nearest-neighbour distances.
-    pub neighbors: Option<NeighborDistances>,
+    /// Nearest-neighbour statistics.
+    pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
     pub closed_form: ClosedForm,
     /// The accuracy asked for.
@@ -130,7 +128,7 @@ pub fn run(
         mean_points: points.2 as f64 / shape.realizations as f64,
         max_points: points.1,
     };
-    check_points(plan.pairs.is_some() || plan.neighbors, shape)?;
+    check_points(plan.pairs.is_some() || plan.neighbors.is_some(), shape)?;
     let mut warnings = device.into_warnings();
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
@@ -177,6 +175,10 @@ pub fn run(
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
         _ => None,
     };
+    let both = |plan: &Option<NeighborPlan>, sums: &Option<NeighborSums>| {
+        Some(Neighbors::new(plan.as_ref()?, sums.as_ref()?, shape))
+    };
+    let neighbors = both(&plan.neighbors, &sums.neighbors);
     let closed_form = closed_form(source, plan, request.normalization, pair_correlation.as_ref());
     clock.add("estimates", estimates.elapsed().as_secs_f64());
     Ok(Analysis {
@@ -191,7 +193,7 @@ pub fn run(
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,
-        neighbors: sums.neighbors.as_ref().map(|n| n.summary()),
+        neighbors,
         closed_form,
         accuracy: request.accuracy,
         computed_by: sums.computed_by(),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result, number};
 use crate::estimate::Kernel;
-use crate::plan::{BinScale, Correction, EnsembleShape, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{BinScale, Correction, EnsembleShape, NeighborPlan, PairPlan, RadialBins, WaveGrid, WavePlan};
 use crate::points::Domain;
 use crate::points::read::read_edges;
 use crate::request::{Request, Statistic};
@@ -17,7 +17,7 @@ pub struct Plan {
     /// A second pass over the pairs, into the fine bins behind a kernel estimate.
     pub(super) fine: Option<(Kernel, PairPlan)>,
     pub(super) waves: Option<WavePlan>,
-    pub(super) neighbors: bool,
+    pub(super) neighbors: Option<NeighborPlan>,
     /// Whether the grid itself is wanted, not only its rings.
     pub(super) grid_wanted: bool,
     pub(super) batch: u64,
@@ -47,6 +47,8 @@ impl Plan {
                 Some(path) => blame_edges(e, path),
                 None => e,
             })?;
+        let bins = pairs.as_ref().map(|p| &p.bins);
+        let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
             let frequencies = match given {
@@ -62,7 +64,7 @@ impl Plan {
             [pairs.as_ref().map(|p| p.batch), fine.as_ref().map(|f| f.1.batch), waves.as_ref().map(|w| w.batch)];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
-        let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
+        let grid_wanted = wants(Statistic::Spectrum);
         Ok(Self { pairs, fine, waves, neighbors, grid_wanted, batch })
     }
 }
@@ -114,11 +116,14 @@ impl fmt::Display for Plan {
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
         }
-        if self.neighbors {
-            writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
+        if let Some(neighbors) = &self.neighbors {
+            write!(f, "{neighbors}")?;
         }
-        let skipped =
-            [(self.pairs.is_none(), "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];
+        let skipped = [
+            (self.pairs.is_none(), "pcf"),
+            (self.waves.is_none(), "spectrum"),
+            (self.neighbors.is_none(), "neighbors"),
+        ];
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
             writeln!(f, "skipped: {name} (not asked for)")?;
         }

@@ -1,10 +1,10 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{PairCounts, WavePower};
+use crate::accumulate::{NeighborSums, PairCounts, WavePower};
+use crate::compute::neighbors::neighbor_sums;
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
-use crate::estimate::{NearestNeighbors, neighbor_distances};
 use crate::points::Ensemble;
 
 /// Raw sums over realizations; what the plan does not ask for is `None`.
@@ -13,7 +13,7 @@ pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
     pub(super) fine: Option<PairCounts>,
     pub(super) waves: Option<WavePower>,
-    pub(super) neighbors: Option<NearestNeighbors>,
+    pub(super) neighbors: Option<NeighborSums>,
 }
 
 impl Sums {
@@ -48,9 +48,9 @@ impl Sums {
                 Ok(())
             })?;
         }
-        if plan.neighbors {
+        if let Some(plan) = &plan.neighbors {
             stage("neighbors", &mut || {
-                sums.neighbors = Some(neighbor_distances(batch, control)?);
+                sums.neighbors = Some(neighbor_sums(plan, batch, control)?);
                 Ok(())
             })?;
         }

@@ -7,6 +7,7 @@ pub mod cpu;
 mod device_choice;
 mod fallback;
 pub mod gpu;
+pub mod neighbors;
 pub mod reference;
 
 pub use device_choice::{DeviceChoice, Opened};

@@ -7,7 +7,7 @@ mod power_spectrum;
 mod radial_spectrum;
 mod ratio;
 
-pub use neighbors::*;
+pub use neighbors::{BondOrder, NeighborDistances, NeighborFunctions, Neighbors};
 pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::{Bandwidth, Divisor, Kernel, KernelEstimate, SmoothingKernel};
 pub use power_spectrum::PowerSpectrum;

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod bin_filter;
+mod neighbor_plan;
 mod pair_plan;
 mod radial_bins;
 mod wave_grid;
@@ -9,6 +10,7 @@ mod wave_plan;
 
 pub use accuracy::{Accuracy, PowerBound};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
+pub use neighbor_plan::{NeighborPlan, ProbeLattice};
 pub use pair_plan::{CellGrid, Correction, PairPlan, PairSearch, PairSettings};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use wave_grid::{MAX_FREQUENCY, Rings, WaveGrid};

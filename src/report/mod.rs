@@ -27,14 +27,16 @@ use crate::error::{Error, Result};
 const SUMMARY: &str = "summary.json";
 
 /// Every name this module may write. With `force`, only these are ever replaced or removed.
-const FILES: [&str; 11] = [
+const FILES: [&str; 13] = [
     "pcf.csv",
     "spectrum_radial.csv",
+    "neighbor_functions.csv",
     "spectrum.npy",
     "spectrum_se.npy",
     "pcf.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
+    "neighbor_functions.svg",
     "spectrum.png",
     "points.svg",
     "report.html",
@@ -176,6 +178,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     let mut files = Written { dir, done: Vec::new() };
     files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
+    files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
@@ -187,6 +190,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         pcf: files.picture("pcf.svg", plots::pcf(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
+        neighbor_functions: files.picture("neighbor_functions.svg", plots::neighbor_functions(analysis)),
         ..Default::default()
     };
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
