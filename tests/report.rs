@@ -311,6 +311,8 @@ fn files_for_what_there_is() {
     let root = tempfile::tempdir().unwrap();
     let all = [
         "anisotropy.svg",
+        "neighbor_functions.csv",
+        "neighbor_functions.svg",
         "pcf.csv",
         "pcf.svg",
         "points.svg",
@@ -343,6 +345,32 @@ fn files_for_what_there_is() {
     for key in ["accuracy", "pair_correlation", "spectrum", "radial", "neighbors"] {
         assert!(json(&dir)[key].is_null(), "{key}");
     }
+}
+
+#[test]
+fn neighbor_functions_read_back_as_the_same_numbers() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    let functions = &mut a.neighbors.as_mut().unwrap().functions;
+    (functions.g[3], functions.j[4]) = (None, None);
+    let functions = functions.clone();
+    report::write(&root.path().join("out"), &a, false).unwrap();
+    let text = fs::read_to_string(root.path().join("out/neighbor_functions.csv")).unwrap();
+    let mut lines = text.lines();
+    let header = "r,g_function,g_function_se,f_function,f_function_se,j_function,poisson";
+    assert_eq!(lines.next(), Some(header));
+    let mut rows = 0;
+    for (i, line) in lines.enumerate() {
+        let found: Vec<Option<f64>> = line.split(',').map(|cell| cell.parse().ok()).collect();
+        let f = &functions;
+        let row = [Some(f.r[i]), f.g[i], f.g_se[i], f.f[i], f.f_se[i], f.j[i], Some(f.poisson[i])];
+        assert_eq!(found, row.map(|x| x.filter(|x| x.is_finite())), "row {i}");
+        rows += 1;
+    }
+    assert_eq!(rows, functions.r.len());
+    let neighbors = &json(&root.path().join("out"))["neighbors"];
+    assert_eq!(neighbors["functions"]["test_points"], functions.probes);
+    assert!(neighbors["psi_6"]["local"].is_number() && neighbors["psi_6_undefined"].is_null());
 }
 
 #[test]
