@@ -154,6 +154,8 @@ fn analyze_writes_what_it_promises() {
     files.sort();
     let expected = [
         "anisotropy.svg",
+        "neighbor_functions.csv",
+        "neighbor_functions.svg",
         "pcf.csv",
         "pcf.svg",
         "points.svg",

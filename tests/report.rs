@@ -15,14 +15,15 @@ use common::*;
 use pairwave::Error;
 use pairwave::accumulate::PairCounts;
 use pairwave::analysis::{Analysis, ClosedForm, Envelopes};
+use pairwave::compute::neighbors::neighbor_sums;
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
 use pairwave::estimate::{
-    CrossCorrelation, CrossCounts, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, NeighborDistances,
-    Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
+    CrossCorrelation, CrossCounts, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, Neighbors, Normalization,
+    PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
 };
 use pairwave::plan::{
-    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, PairPlan, PairSettings, RadialBins,
-    Rings, SmoothingKernel, WaveGrid,
+    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan, PairSettings,
+    RadialBins, Rings, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
@@ -56,13 +57,7 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         spectrum: Some(spectrum),
         grid_wanted: true,
         radial: Some(radial),
-        neighbors: Some(NeighborDistances {
-            minimum: Some(0.001_234),
-            mean: Some(0.020_5),
-            mean_se: Some(0.000_1),
-            minimum_relative: Some(0.036_7),
-            mean_relative: Some(0.61),
-        }),
+        neighbors: Some(neighbors(&ensemble)),
         closed_form: ClosedForm::default(),
         accuracy: Accuracy::High,
         computed_by: ComputedBy::new(Backend::Reference, "one core, f64 and exact integers"),
@@ -72,6 +67,12 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         warnings: Vec::new(),
         first: ensemble.slice(0..1),
     }
+}
+
+fn neighbors(ensemble: &Ensemble) -> Neighbors {
+    let plan = NeighborPlan::new(ensemble.domain(), None, shape(ensemble)).unwrap();
+    let sums = neighbor_sums(&plan, ensemble, &Control::default()).unwrap();
+    Neighbors::new(&plan, &sums, shape(ensemble))
 }
 
 /// One point in each cell of a k x k grid: P = 1 - sinc^2 sinc^2, g from the overlap of cells.
@@ -202,16 +203,9 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     zero(&mut a);
     scenes.push(("one bin", a));
 
-    let mut a = analyze("one point", &unit(2), &[uniform(2, 1, 1)], linear(0.5, 8), &[3, 3]);
+    let a = analyze("one point", &unit(2), &[uniform(2, 1, 1)], linear(0.5, 8), &[3, 3]);
     // 0/0, as the estimate documents it.
     assert!(a.pair_correlation.as_ref().unwrap().g[0].is_nan());
-    a.neighbors = Some(NeighborDistances {
-        minimum: None,
-        mean: None,
-        mean_se: None,
-        minimum_relative: None,
-        mean_relative: None,
-    });
     scenes.push(("one point", a));
 
     scenes.push(("two classes", with_classes(if large { 400 } else { 60 })));
@@ -362,6 +356,8 @@ fn files_for_what_there_is() {
     let root = tempfile::tempdir().unwrap();
     let all = [
         "anisotropy.svg",
+        "neighbor_functions.csv",
+        "neighbor_functions.svg",
         "pcf.csv",
         "pcf.svg",
         "pcf_angular.csv",
@@ -410,6 +406,32 @@ fn files_for_what_there_is() {
     for key in ["accuracy", "pair_correlation", "vector_correlation", "spectrum", "radial", "neighbors"] {
         assert!(json(&dir)[key].is_null(), "{key}");
     }
+}
+
+#[test]
+fn neighbor_functions_read_back_as_the_same_numbers() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    let functions = &mut a.neighbors.as_mut().unwrap().functions;
+    (functions.g[3], functions.j[4]) = (None, None);
+    let functions = functions.clone();
+    report::write(&root.path().join("out"), &a, false).unwrap();
+    let text = fs::read_to_string(root.path().join("out/neighbor_functions.csv")).unwrap();
+    let mut lines = text.lines();
+    let header = "r,g_function,g_function_se,f_function,f_function_se,j_function,poisson";
+    assert_eq!(lines.next(), Some(header));
+    let mut rows = 0;
+    for (i, line) in lines.enumerate() {
+        let found: Vec<Option<f64>> = line.split(',').map(|cell| cell.parse().ok()).collect();
+        let f = &functions;
+        let row = [Some(f.r[i]), f.g[i], f.g_se[i], f.f[i], f.f_se[i], f.j[i], Some(f.poisson[i])];
+        assert_eq!(found, row.map(|x| x.filter(|x| x.is_finite())), "row {i}");
+        rows += 1;
+    }
+    assert_eq!(rows, functions.r.len());
+    let neighbors = &json(&root.path().join("out"))["neighbors"];
+    assert_eq!(neighbors["functions"]["test_points"], functions.probes);
+    assert!(neighbors["psi_6"]["local"].is_number() && neighbors["psi_6_undefined"].is_null());
 }
 
 #[test]
@@ -579,7 +601,7 @@ fn the_summary_holds_the_scalars() {
     let mut a = small();
     a.parameters = vec![("z".into(), "1".into()), ("a".into(), "2".into()), ("z".into(), "3".into())];
     a.warnings = vec!["mind \"this\"".into()];
-    a.neighbors.as_mut().unwrap().mean_se = Some(f64::NAN);
+    a.neighbors.as_mut().unwrap().distances.mean_se = Some(f64::NAN);
     report::write(root.path(), &a, false).unwrap();
     let summary = json(root.path());
     assert_eq!(summary["schema"], 1);

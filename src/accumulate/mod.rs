@@ -2,12 +2,16 @@
 
 mod kernel_sums;
 mod lag_counts;
+mod neighbor_sums;
 mod ordered_sum;
 mod pair_counts;
 mod wave_power;
 
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
+pub use neighbor_sums::{
+    Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, RealizationNeighbors,
+};
 pub use ordered_sum::{LEAF, OrderedSum};
 pub use pair_counts::{BorderHistogram, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
 pub use wave_power::{PowerMoments, WavePower};

@@ -36,15 +36,15 @@ fn curves(estimates: &Estimates) -> Vec<Curve> {
     let g = estimates.pair_correlation.as_ref();
     let k = estimates.k_function.as_ref();
     let kernel = estimates.kernel.as_ref();
+    let functions = estimates.neighbors.as_ref().map(|n| &n.functions);
+    let defined = |values: &[Option<f64>]| values.iter().map(|v| v.unwrap_or(f64::NAN)).collect();
     let curves = [
         g.map(|g| Curve { name: "g", r: g.r.clone(), values: g.g.clone() }),
-        kernel.map(|k| Curve {
-            name: "g_kernel",
-            r: k.r.clone(),
-            values: k.g.iter().map(|g| g.unwrap_or(f64::NAN)).collect(),
-        }),
+        kernel.map(|k| Curve { name: "g_kernel", r: k.r.clone(), values: defined(&k.g) }),
         k.map(|k| Curve { name: "k", r: k.r.clone(), values: k.k.clone() }),
         k.map(|k| Curve { name: "l", r: k.r.clone(), values: k.l.clone() }),
+        functions.map(|n| Curve { name: "neighbor_g", r: n.r.clone(), values: defined(&n.g) }),
+        functions.map(|n| Curve { name: "neighbor_f", r: n.r.clone(), values: defined(&n.f) }),
     ];
     curves.into_iter().flatten().collect()
 }

@@ -18,7 +18,7 @@ use plan::check_points;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
-    CrossCorrelation, KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
+    CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
     RadialSpectrum, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape};
@@ -59,8 +59,8 @@ pub struct Analysis {
     pub grid_wanted: bool,
     /// Radial mean and anisotropy.
     pub radial: Option<RadialSpectrum>,
-    /// Nearest-neighbour distances.
-    pub neighbors: Option<NeighborDistances>,
+    /// Nearest-neighbour statistics.
+    pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
     pub closed_form: ClosedForm,
     /// The accuracy asked for.
@@ -106,6 +106,7 @@ struct Estimates {
     pair_correlation: Option<PairCorrelation>,
     k_function: Option<KFunction>,
     kernel: Option<KernelEstimate>,
+    neighbors: Option<Neighbors>,
 }
 
 impl Estimates {
@@ -123,6 +124,11 @@ impl Estimates {
                 cross_validation: *cross_validation,
                 ..KernelEstimate::new(plan, sums, normalization)
             }),
+            neighbors: plan
+                .neighbors
+                .as_ref()
+                .zip(sums.neighbors.as_ref())
+                .map(|(plan, sums)| Neighbors::new(plan, sums, measured.shape())),
         }
     }
 }
@@ -149,7 +155,7 @@ pub fn run(
     let measured = measure(plan, &input, &mut device, control, &mut clock, &mut tell)?;
     // A sampler that draws n is only now known to have drawn enough.
     let shape = measured.shape();
-    check_points(plan.pairs.is_some() || plan.lags.is_some() || plan.neighbors, shape)?;
+    check_points(plan.pairs.is_some() || plan.lags.is_some() || plan.neighbors.is_some(), shape)?;
     progress(Progress { stage: "estimates", done: total, total });
     let estimates = clock.time("estimates", || Estimates::new(&measured, request.normalization));
     let envelopes = (plan.simulations > 0)
@@ -161,7 +167,7 @@ pub fn run(
         })
         .transpose()?;
     let Measured { sums, plan, sizes, duplicates, first, .. } = measured;
-    let Estimates { pair_correlation, k_function, kernel } = estimates;
+    let Estimates { pair_correlation, k_function, kernel, neighbors } = estimates;
     let mut warnings = device.into_warnings();
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
@@ -177,7 +183,7 @@ pub fn run(
     if unseen > 0 && unseen < sums.pairs.as_ref().map_or(0, |p| p.counts.len()) {
         warnings.push(format!("no point is far enough from the border for {unseen} of the bins: they are left empty"));
     }
-    if plan.pairs.as_ref().is_some_and(|p| p.masses) && (plan.waves.is_some() || plan.neighbors) {
+    if plan.pairs.as_ref().is_some_and(|p| p.masses) && (plan.waves.is_some() || plan.neighbors.is_some()) {
         let warning = "weights of points enter g and K only: P and distances to neighbours take every point alike";
         warnings.push(warning.to_string());
     }
@@ -240,7 +246,7 @@ pub fn run(
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,
-        neighbors: sums.neighbors.as_ref().map(|n| n.summary()),
+        neighbors,
         closed_form,
         accuracy: request.accuracy,
         computed_by: sums.computed_by(),

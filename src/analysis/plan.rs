@@ -6,8 +6,8 @@ use std::path::Path;
 use super::classes::Classes;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, PairPlan,
-    PairSettings, RadialBins, WaveGrid, WavePlan,
+    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan,
+    NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
 };
 use crate::points::Domain;
 use crate::points::read::read_edges;
@@ -27,7 +27,7 @@ pub struct Plan {
     pub(super) search: Option<BandwidthSearch>,
     pub(super) lags: Option<LagPlan>,
     pub(super) waves: Option<WavePlan>,
-    pub(super) neighbors: bool,
+    pub(super) neighbors: Option<NeighborPlan>,
     /// Whether the grid itself is wanted, not only its rings.
     pub(super) grid_wanted: bool,
     /// Simulations of complete spatial randomness, for envelopes.
@@ -87,6 +87,8 @@ impl Plan {
             }
         })?;
         let lags = wants(Statistic::PcfVector).then(|| lags(request, domain, correction, shape)).transpose()?;
+        let bins = pairs.as_ref().map(|p| &p.bins);
+        let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
             let frequencies = match given {
@@ -107,7 +109,7 @@ impl Plan {
         ];
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
-        let (neighbors, grid_wanted) = (wants(Statistic::Neighbors), wants(Statistic::Spectrum));
+        let grid_wanted = wants(Statistic::Spectrum);
         Ok(Self { pcf, pairs, kernel, search, classes: None, lags, waves, neighbors, grid_wanted, simulations, batch })
     }
 
@@ -122,7 +124,7 @@ impl Plan {
 
     /// What a simulation for envelopes needs of it.
     pub(super) fn of_simulations(&self) -> Self {
-        Self { waves: None, neighbors: false, grid_wanted: false, simulations: 0, ..self.clone() }
+        Self { classes: None, lags: None, waves: None, grid_wanted: false, simulations: 0, ..self.clone() }
     }
 }
 
@@ -233,14 +235,14 @@ impl fmt::Display for Plan {
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
         }
-        if self.neighbors {
-            writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
+        if let Some(neighbors) = &self.neighbors {
+            write!(f, "{neighbors}")?;
         }
         if self.simulations > 0 {
             let n = self.simulations;
             writeln!(f, "envelope: {n} simulations of complete spatial randomness, each with all the pairs above")?;
         }
-        let skipped = [(!self.pcf, "pcf"), (self.waves.is_none(), "spectrum"), (!self.neighbors, "neighbors")];
+        let skipped = [(!self.pcf, "pcf"), (self.waves.is_none(), "spectrum"), (self.neighbors.is_none(), "neighbors")];
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
             writeln!(f, "skipped: {name} (not asked for)")?;
         }

@@ -1,10 +1,11 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, NeighborSums, PairCounts, WavePower};
+use crate::compute::neighbors::neighbor_sums;
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
-use crate::estimate::{CrossCounts, NearestNeighbors, neighbor_distances};
+use crate::estimate::CrossCounts;
 use crate::points::Ensemble;
 
 /// Raw sums over realizations; what the plan does not ask for is `None`.
@@ -15,7 +16,7 @@ pub(super) struct Sums {
     pub(super) kernel: Option<KernelSums>,
     pub(super) lags: Option<LagCounts>,
     pub(super) waves: Option<WavePower>,
-    pub(super) neighbors: Option<NearestNeighbors>,
+    pub(super) neighbors: Option<NeighborSums>,
 }
 
 impl Sums {
@@ -63,9 +64,9 @@ impl Sums {
                 Ok(())
             })?;
         }
-        if plan.neighbors {
+        if let Some(plan) = &plan.neighbors {
             stage("neighbors", &mut || {
-                sums.neighbors = Some(neighbor_distances(batch, control)?);
+                sums.neighbors = Some(neighbor_sums(plan, batch, control)?);
                 Ok(())
             })?;
         }

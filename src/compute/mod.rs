@@ -9,6 +9,7 @@ pub mod cpu;
 mod device_choice;
 mod fallback;
 pub mod gpu;
+pub mod neighbors;
 pub mod reference;
 
 pub use binned_kernel::kernel_sums as binned_kernel_sums;

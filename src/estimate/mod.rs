@@ -16,7 +16,7 @@ pub use cross_correlation::{CrossCorrelation, CrossCounts};
 pub use cross_validation::CrossValidation;
 pub use envelope::{Curve, Envelope};
 pub use k_function::KFunction;
-pub use neighbors::*;
+pub use neighbors::{BondOrder, NeighborDistances, NeighborFunctions, Neighbors};
 pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;

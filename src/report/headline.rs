@@ -33,11 +33,16 @@ pub fn headline(a: &Analysis) -> String {
         });
         lines.push(format!("P(ν): {} rings{first}", radial.rings.len()));
     }
-    if let Some(nn) = a.neighbors.as_ref() {
+    if let Some(neighbors) = a.neighbors.as_ref() {
+        let nn = &neighbors.distances;
         let value = |x: Option<f64>, se| x.map_or("undefined".into(), |x| with_error(x, se));
         let relative = nn.mean_relative.map_or(String::new(), |r| format!(" ({} of the closest packing)", human(r)));
         let (minimum, mean) = (value(nn.minimum, None), value(nn.mean, nn.mean_se));
         lines.push(format!("nearest neighbour: smallest {minimum}, mean {mean}{relative}"));
+        if let Ok(bonds) = &neighbors.bonds {
+            let (local, global) = (with_error(bonds.local, bonds.local_se), with_error(bonds.global, bonds.global_se));
+            lines.push(format!("bond order: mean |ψ₆| {local}, |mean ψ₆| {global}"));
+        }
     }
     lines.join("\n") + "\n"
 }

@@ -25,6 +25,7 @@ pub(super) struct Pictures {
     pub(super) pcf_angular: Option<String>,
     pub(super) spectrum_radial: Option<String>,
     pub(super) anisotropy: Option<String>,
+    pub(super) neighbor_functions: Option<String>,
     pub(super) spectrum: Option<SpectrumImage>,
     pub(super) points: Option<String>,
 }
@@ -185,7 +186,8 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
             format!("{} length units", human(a.domain.closest_packing_distance(a.shape.mean_points))),
         ),
     ];
-    if let Some(nn) = &a.neighbors {
+    if let Some(neighbors) = &a.neighbors {
+        let nn = &neighbors.distances;
         let relative = |r: Option<f64>| r.map_or(String::new(), |r| format!(" ({} {symbol})", human(r)));
         let value = |v: Option<f64>, se, r| {
             v.map_or("undefined: no realization has two points".into(), |v| {
@@ -193,7 +195,19 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
             })
         };
         rows.push(("Smallest nearest-neighbour distance".into(), value(nn.minimum, None, nn.minimum_relative)));
+        if a.shape.realizations >= 2 {
+            let mean = value(nn.mean_minimum, nn.mean_minimum_se, nn.mean_minimum_relative);
+            rows.push(("The smallest of each realization, mean".into(), mean));
+        }
         rows.push(("Mean nearest-neighbour distance".into(), value(nn.mean, nn.mean_se, nn.mean_relative)));
+        if let Ok(bonds) = &neighbors.bonds {
+            let [local, global] = [(bonds.local, bonds.local_se), (bonds.global, bonds.global_se)]
+                .map(|(value, se)| with_error(value, se));
+            let shares = bonds.with_5_6_7_neighbors.map(human).join(", ");
+            rows.push(("Bond order, mean of |<i>ψ</i><sub>6</sub>|".into(), local));
+            rows.push(("Bond order, |mean of <i>ψ</i><sub>6</sub>|".into(), global));
+            rows.push(("Shares of points with 5, 6, 7 neighbours".into(), shares));
+        }
     }
     if let Some(spectrum) = &a.spectrum {
         let (p, se) = spectrum.dc();
@@ -310,6 +324,22 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         let caption =
             format!("{definition} on the frequency grid: {}. Tone map: {}.", escape(&image.caption), escape(TONE_MAP));
         figure(html, &picture, &caption);
+    }
+    if let (Some(svg), Some(neighbors)) = (&pictures.neighbor_functions, &a.neighbors) {
+        html.push_str("<h2>Nearest neighbours</h2>\n");
+        let edges = if a.domain.is_torus() {
+            ""
+        } else {
+            " Distances longer than the way to the border are censored there (Kaplan-Meier)."
+        };
+        let caption = format!(
+            "<i>G</i>(<i>r</i>): the probability that a point has another closer than <i>r</i>. <i>F</i>(<i>r</i>): that a \
+             fixed place has a point closer than <i>r</i>, from a lattice of {} test points. Of independent points both are \
+             1 − exp(−<i>λ v r<sup>d</sup></i>), with <i>v</i> the measure of the unit ball; <i>G</i> below <i>F</i> means \
+             that points keep apart.{edges}",
+            neighbors.functions.probes
+        );
+        figure(html, svg, &caption);
     }
     if let Some(svg) = &pictures.points {
         html.push_str("<h2>Points</h2>\n");
@@ -465,8 +495,19 @@ fn errors(html: &mut String, a: &Analysis) {
             "theory: the scatter of an isotropic spectrum with the ring's number of independent modes".into(),
         ));
     }
-    if a.neighbors.as_ref().is_some_and(|n| n.mean_se.is_some()) {
-        rows.push(("mean nearest-neighbour distance".into(), across("the realization's mean")));
+    if let Some(neighbors) = &a.neighbors {
+        if neighbors.distances.mean_se.is_some() {
+            rows.push(("nearest-neighbour distances, bond order".into(), across("the realization's value")));
+        }
+        let text = match neighbors.functions.errors {
+            ErrorSource::AcrossRealizations => across("each distance's <i>G</i> and <i>F</i>"),
+            ErrorSource::Theory => {
+                "theory, for a single realization: binomial, as if the distances of all points were independent; for \
+                 <i>F</i> as of only as many test points as there are points"
+                    .into()
+            }
+        };
+        rows.push(("<i>G</i>(<i>r</i>), <i>F</i>(<i>r</i>)".into(), text));
     }
     if !rows.is_empty() {
         html.push_str("<h2>Error bars</h2>\n<p>All are one standard error.</p>\n");

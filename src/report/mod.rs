@@ -36,6 +36,7 @@ const FILES: &[&str] = &[
     "k_function.csv",
     "envelope.csv",
     "spectrum_radial.csv",
+    "neighbor_functions.csv",
     "spectrum.npy",
     "spectrum_se.npy",
     "pcf_vector.npy",
@@ -48,6 +49,7 @@ const FILES: &[&str] = &[
     "pcf_angular.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
+    "neighbor_functions.svg",
     "spectrum.png",
     "points.svg",
     "report.html",
@@ -193,6 +195,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
+    files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
@@ -214,6 +217,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
+        neighbor_functions: files.picture("neighbor_functions.svg", plots::neighbor_functions(analysis)),
         ..Default::default()
     };
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {

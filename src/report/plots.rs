@@ -1,4 +1,4 @@
-//! `pcf.svg`, `pcf_cross.svg`, `k_function.svg`, `spectrum_radial.svg`, `anisotropy.svg`: what is drawn in each, and over which range.
+//! The pictures that plot curves: what is drawn in each, and over which range.
 
 use std::ops::Range;
 
@@ -356,6 +356,51 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
         log_x: false,
         log_y: false,
         top: None,
+        layers,
+    };
+    Some(figure.svg())
+}
+
+/// G and F against r, with their bands, and what both are for a Poisson process.
+pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Svg> {
+    let functions = &analysis.neighbors.as_ref()?.functions;
+    let r = &functions.r;
+    // Past where all three have come to 1 there is nothing to see.
+    let high = |y: Option<f64>| y.is_none_or(|y| y > 0.9999);
+    let settled = |i: &usize| high(functions.g[*i]) && high(functions.f[*i]) && high(Some(functions.poisson[*i]));
+    let end = (0..r.len()).rev().take_while(settled).last().map_or(*r.last()?, |i| r[i]);
+    let intervals = || r.iter().map(|&r| (r, r, r));
+    let band = |y: &[Option<f64>], se: &[Option<f64>]| {
+        let range = |(y, se): (&Option<f64>, &Option<f64>)| y.zip(*se).map(|(y, se)| (y - se, y + se));
+        band_runs(intervals().zip(y.iter().zip(se).map(range)))
+    };
+    let curve = |name: &str, color, dashed, y: &[Option<f64>]| {
+        let runs = runs(intervals().zip(y.iter().copied()));
+        Layer::Line { name: name.into(), color, width: 1.6, dashed, runs }
+    };
+    let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
+    let layers = vec![
+        Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
+        Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },
+        curve("G: point to nearest point", BLUE, false, &functions.g),
+        curve("F: place to nearest point", VERMILION, false, &functions.f),
+        curve("Poisson: G = F", INK, true, &poisson),
+    ];
+    let (d, which) = packing_symbol(analysis.domain.dim());
+    let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
+    let symbol = format!("{d}{}", sub(which));
+    let edges = if analysis.domain.is_torus() { "" } else { " · Kaplan-Meier" };
+    let figure = Figure {
+        title: "Nearest-neighbour and empty-space functions",
+        subject: analysis.subject.clone(),
+        note: format!("{}{edges} · {}", size(analysis), error_note(functions.errors, "binomial")),
+        x_label: "distance r (length units of the domain)".into(),
+        y_label: "probability".into(),
+        x: r[0].min(0.0)..end,
+        y: 0.0..1.06,
+        log_x: false,
+        log_y: false,
+        top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
     };
     Some(figure.svg())

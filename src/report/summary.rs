@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{CrossValidation, ErrorSource, Normalization};
+use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization};
 use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound};
 use crate::points::Domain;
 
@@ -35,7 +35,7 @@ struct Summary<'a> {
     vector_correlation: Option<VectorOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
-    neighbors: Option<Neighbors>,
+    neighbors: Option<NeighborsOut>,
     duplicates: u64,
     closed_form: Option<&'a str>,
     warnings: &'a [String],
@@ -155,12 +155,19 @@ struct RadialOut {
 }
 
 #[derive(Serialize)]
-struct Neighbors {
-    minimum: Option<f64>,
-    mean: Option<f64>,
-    mean_se: Option<f64>,
-    minimum_relative: Option<f64>,
-    mean_relative: Option<f64>,
+struct NeighborsOut {
+    #[serde(flatten)]
+    distances: NeighborDistances,
+    functions: FunctionsOut,
+    psi_6: Option<BondOrder>,
+    psi_6_undefined: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+struct FunctionsOut {
+    distances: usize,
+    errors: ErrorSource,
+    test_points: u64,
 }
 
 /// An object whose keys keep the order of the list.
@@ -277,12 +284,15 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             // -10 log10 1 is -0.
             anisotropy_reference_db: r.anisotropy_reference_db + 0.0,
         }),
-        neighbors: a.neighbors.as_ref().map(|n| Neighbors {
-            minimum: n.minimum,
-            mean: n.mean,
-            mean_se: n.mean_se,
-            minimum_relative: n.minimum_relative,
-            mean_relative: n.mean_relative,
+        neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
+            distances: n.distances,
+            functions: FunctionsOut {
+                distances: n.functions.r.len(),
+                errors: n.functions.errors,
+                test_points: n.functions.probes,
+            },
+            psi_6: n.bonds.ok(),
+            psi_6_undefined: n.bonds.err(),
         }),
         duplicates: a.duplicates,
         closed_form: (!a.closed_form.name.is_empty()).then_some(a.closed_form.name.as_str()),

@@ -1,0 +1,63 @@
+//! Nearest neighbours, on the CPU whatever the device: k-d tree and Delaunay triangulation are crates that run there.
+//!
+//! For each point of a realization the distance to the nearest other point, `d_i = min_(j != i) |x_i - x_j|` (minimum image
+//! on a torus, plain in a window), for each test point of a lattice the distance to the nearest point, and the bonds
+//! between neighbours in the plane.
+
+mod bonds;
+mod distribution;
+mod search;
+
+use rayon::prelude::*;
+
+use super::Control;
+use crate::accumulate::{Distances, NeighborSums, RealizationNeighbors};
+use crate::error::Result;
+use crate::plan::NeighborPlan;
+use crate::points::{Domain, Ensemble};
+use distribution::distribution;
+use search::Nearest;
+
+/// Nearest-neighbour statistics of every realization.
+pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control) -> Result<NeighborSums> {
+    let add = |mut sums: NeighborSums, k: usize| {
+        control.check()?;
+        let axes = ensemble.lengths(k);
+        let n = ensemble.points_in(k) as u64;
+        // The triangulation runs on one thread, the search on all that are left.
+        let (bonds, nearest) =
+            rayon::join(|| bonds::bonds(&axes, &plan.domain, control), || Nearest::find(plan, &axes, control));
+        let nearest = nearest?;
+        let one = RealizationNeighbors {
+            index: ensemble.first_index() + k as u64,
+            n,
+            distances: distances(&nearest.of_points, &plan.domain),
+            bonds: bonds?,
+        };
+        let place = |i: usize| std::array::from_fn(|a| axes.get(a).map_or(0, |axis| axis[i]));
+        let g = distribution(plan, &nearest.of_points, place);
+        let f = distribution(plan, &nearest.of_probes, |i| plan.probes.position(i));
+        sums.add(one, &g, &f);
+        Ok(sums)
+    };
+    // Integers, and records that stay in order: how the realizations are dealt out is not seen.
+    (0..ensemble.realizations()).into_par_iter().try_fold(NeighborSums::default, add).try_reduce(
+        NeighborSums::default,
+        |mut a, b| {
+            a.merge(&b)?;
+            Ok(a)
+        },
+    )
+}
+
+/// Minimum and mean of the squared distances, which come in one order, whatever threads found them.
+fn distances(squares: &[u128], domain: &Domain) -> Option<Distances> {
+    let n = squares.len() as f64;
+    let step = domain.length_unit() / 2f64.powi(64);
+    let minimum = *squares.iter().min().filter(|_| squares.len() >= 2)?;
+    Some(Distances {
+        minimum: (minimum as f64).sqrt() * step,
+        mean: squares.iter().map(|&square| (square as f64).sqrt()).sum::<f64>() / n * step,
+        closest_packing: domain.closest_packing_distance(n),
+    })
+}

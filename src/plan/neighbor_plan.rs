@@ -1,0 +1,165 @@
+//! The plan for nearest-neighbour statistics: at which distances, and from where space is probed.
+
+use std::fmt;
+
+use super::{EnsembleShape, RadialBins};
+use crate::error::Result;
+use crate::points::Domain;
+
+/// Everything decided about neighbours before any is looked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NeighborPlan {
+    /// The domain.
+    pub domain: Domain,
+    /// The distances at which G, F and J are given.
+    pub r: Vec<f64>,
+    /// Integer thresholds on the squared distance, one per distance: closer than r is below it.
+    pub thresholds: Vec<u128>,
+    /// The points from which F looks.
+    pub probes: ProbeLattice,
+}
+
+impl NeighborPlan {
+    /// At the edges of `bins`; without any, at 257 distances from 0 to 3 closest-packing distances, or to the longest
+    /// distance there is.
+    pub fn new(domain: &Domain, bins: Option<&RadialBins>, shape: EnsembleShape) -> Result<Self> {
+        let default;
+        let bins = match bins {
+            Some(bins) => bins,
+            None => {
+                let diagonal = domain.sides().iter().map(|s| s * s).sum::<f64>().sqrt();
+                let longest = if domain.is_torus() { 0.5 * diagonal } else { diagonal };
+                default =
+                    RadialBins::linear(longest.min(3.0 * domain.closest_packing_distance(shape.mean_points)), 256)?;
+                &default
+            }
+        };
+        Ok(Self {
+            domain: domain.clone(),
+            r: bins.edges().to_vec(),
+            thresholds: bins.thresholds(domain)?,
+            probes: ProbeLattice::new(domain, shape),
+        })
+    }
+}
+
+/// A lattice of test points: per axis a number m of them, at (i + 1/2) L / m.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProbeLattice {
+    /// Test points per axis; 1 on axes beyond the dimension.
+    pub counts: [u64; 3],
+    /// Extent of the box per axis, in fixed-point steps.
+    extents: [u128; 3],
+}
+
+impl ProbeLattice {
+    /// About one per point, and no fewer than 2^14 over all realizations together. The number per axis is prime, so that a
+    /// pattern made on a grid is met at all phases, not at a few.
+    fn new(domain: &Domain, shape: EnsembleShape) -> Self {
+        let wanted = shape.mean_points.max(16384.0 / shape.realizations as f64);
+        let spacing = (domain.measure() / wanted).powf(1.0 / domain.dim() as f64);
+        let (mut counts, mut extents) = ([1; 3], [1; 3]);
+        for (a, &side) in domain.sides().iter().enumerate() {
+            counts[a] = prime_from((side / spacing).ceil() as u64);
+            let steps = side / domain.length_unit() * 2f64.powi(64);
+            extents[a] = match domain.periods()[a] {
+                _ if !domain.is_torus() => steps as u128,
+                0 => 1 << 64,
+                period => u128::from(period),
+            };
+        }
+        Self { counts, extents }
+    }
+
+    /// Number of test points.
+    pub fn len(&self) -> usize {
+        self.counts.iter().product::<u64>() as usize
+    }
+
+    /// Never: there is at least one.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Test point `index`, in fixed-point steps.
+    pub fn position(&self, index: usize) -> [u64; 3] {
+        let mut rest = index as u64;
+        std::array::from_fn(|a| {
+            let i = u128::from(rest % self.counts[a]);
+            rest /= self.counts[a];
+            ((2 * i + 1) * self.extents[a] / (2 * u128::from(self.counts[a]))) as u64
+        })
+    }
+
+    /// The distance from a place to the border of the box, in steps.
+    pub fn to_border(&self, steps: &[u64]) -> u128 {
+        let along = |(&x, &extent): (&u64, &u128)| u128::from(x).min(extent.saturating_sub(u128::from(x)));
+        steps.iter().zip(&self.extents).map(along).min().unwrap_or(0)
+    }
+}
+
+/// The least prime from `least` on, or 1.
+fn prime_from(least: u64) -> u64 {
+    let is_prime = |&m: &u64| (2..).take_while(|d| d * d <= m).all(|d| !m.is_multiple_of(d));
+    (least.max(1)..).find(is_prime).unwrap_or(least)
+}
+
+impl fmt::Display for NeighborPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts: Vec<_> = self.probes.counts[..self.domain.dim()].iter().map(u64::to_string).collect();
+        let edges = if self.domain.is_torus() { "no edges" } else { "Kaplan-Meier" };
+        writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
+        writeln!(f, "  G, F, J at {} distances, {edges}; F from {} test points", self.r.len(), counts.join(" x "))?;
+        if self.domain.dim() == 2 {
+            let periodic = if self.domain.is_torus() { "periodic " } else { "" };
+            writeln!(f, "  psi_6: {periodic}Delaunay triangulation")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probes_fill_the_box_evenly() {
+        let shape = EnsembleShape { realizations: 1, mean_points: 100.0, max_points: 100 };
+        for domain in [
+            Domain::unit_torus(1),
+            Domain::torus(&[1.0, 0.3]).unwrap(),
+            Domain::window(&[(-3.0, 4.0), (10.0, 12.0), (0.0, 1.0)]).unwrap(),
+            Domain::torus(&[1.0, 1e-6]).unwrap(),
+        ] {
+            let probes = ProbeLattice::new(&domain, shape);
+            assert!((16384..=140_000).contains(&probes.len()), "{domain:?}: {}", probes.len());
+            let unit = domain.length_unit() / 2f64.powi(64);
+            for (a, &side) in domain.sides().iter().enumerate() {
+                let m = probes.counts[a] as f64;
+                let mut places: Vec<u64> = (0..probes.len()).map(|i| probes.position(i)[a]).collect();
+                places.sort_unstable();
+                places.dedup();
+                assert_eq!(places.len() as f64, m);
+                for (i, &place) in places.iter().enumerate() {
+                    let expected = (i as f64 + 0.5) * side / m;
+                    assert!((place as f64 * unit / expected - 1.0).abs() < 1e-12, "{domain:?}, axis {a}, {i}");
+                }
+            }
+        }
+        assert_eq!([0, 1, 2, 4, 90, 128, 1415].map(prime_from), [1, 1, 2, 5, 97, 131, 1423]);
+    }
+
+    #[test]
+    fn distances_to_the_border_are_exact() {
+        let domain = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+        let shape = EnsembleShape { realizations: 1, mean_points: 100.0, max_points: 100 };
+        let probes = ProbeLattice::new(&domain, shape);
+        // The length unit is 4.
+        let at = |x: f64, y: f64| probes.to_border(&[x, y].map(|v| (v / 4.0 * 2f64.powi(64)) as u64));
+        let steps = |d: f64| (d / 4.0 * 2f64.powi(64)) as u128;
+        assert_eq!(at(0.25, 0.5), steps(0.25));
+        assert_eq!(at(1.875, 0.5), steps(0.125));
+        assert_eq!(at(1.0, 0.75), steps(0.25));
+        assert_eq!((at(2.0, 0.5), at(1.0, 1.0)), (0, 0));
+    }
+}
