@@ -440,7 +440,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze one.csv",
             1,
-            "points: pcf and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
+            "points: pcf, pcf-vector and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
         ),
         ("analyze ok.csv --window 0,1", 1, "ok.csv: 2 coordinates per point, but --box or --window has 1 axis"),
         ("analyze ok.csv --window 0,1,2", 2, "--window 0,1,2: expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"),
@@ -495,7 +495,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--correction none: needs pcf or pcf-vector among --stats",
         ),
         ("analyze ok.csv --stats pcf-vector --lag-bins 0", 2, "--lag-bins 0: expected 1 to 1448 bins per axis in 2D"),
-        ("analyze ok.csv --stats pcf-vector --lag-bins 1449", 2, "expected 1 to 1448 bins per axis in 2D"),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-bins 1449",
+            2,
+            "--lag-bins 1449: expected 1 to 1448 bins per axis in 2D",
+        ),
         (
             "analyze three.txt --stats pcf-vector --lag-bins 129",
             2,
@@ -506,13 +510,25 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--lag-max 0.6: expected a number above 0 and at most half the shortest side (0.5)",
         ),
-        ("analyze ok.csv --stats pcf-vector --lag-max nan", 2, "--lag-max NaN: expected a number above 0"),
-        ("analyze ok.csv --stats pcf-vector --lag-rings 0.4999", 2, "--lag-rings 0.4999: rings are two cells wide"),
-        ("analyze three.txt --stats pcf-vector --lag-rings 0.1", 2, "--lag-rings 0.1: rings are followed round in 2D"),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-max nan",
+            2,
+            "--lag-max NaN: expected a number above 0 and at most half the shortest side (0.5)",
+        ),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-rings 0.4999",
+            2,
+            "--lag-rings 0.4999: rings are two cells wide (0.03125) and fit into the grid of lags: expected more than 0.015625 and at most 0.484375",
+        ),
+        (
+            "analyze three.txt --stats pcf-vector --lag-rings 0.1",
+            2,
+            "--lag-rings 0.1: rings are followed round in 2D, the points have 3 coordinates",
+        ),
         (
             "analyze ok.csv --window 0,1,0,1 --stats pcf-vector --correction border",
             2,
-            "--correction border: the vector g is corrected by the set covariance of the window",
+            "--correction border: the vector g is corrected by the set covariance of the window: use translation, or none",
         ),
         (
             "analyze ok.csv --stats pcf-vector --correction translation",

@@ -19,11 +19,12 @@ use pairwave::{Error, Result};
 struct Mortal {
     calls_left: AtomicU64,
     can_waves: bool,
+    can_lags: bool,
 }
 
 impl Mortal {
     fn new(calls: u64) -> Self {
-        Self { calls_left: AtomicU64::new(calls), can_waves: true }
+        Self { calls_left: AtomicU64::new(calls), can_waves: true, can_lags: true }
     }
 
     fn call(&self) -> Result<()> {
@@ -46,6 +47,10 @@ impl Compute for Mortal {
 
     fn supports_wave_power(&self, _: &WavePlan) -> Result<(), String> {
         if self.can_waves { Ok(()) } else { Err("mortal knows no waves".into()) }
+    }
+
+    fn supports_lag_counts(&self, _: &LagPlan) -> Result<(), String> {
+        if self.can_lags { Ok(()) } else { Err("mortal knows no lags".into()) }
     }
 
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
@@ -91,13 +96,15 @@ fn analyze(request: &Request, device: &dyn Compute) -> Result<Analysis> {
 #[test]
 fn a_device_lost_in_the_middle_is_replaced_and_named() {
     // Several batches of 4096 realizations: the device dies after 0, 1, 2 or 3 calls, between batches or within one.
-    let request =
-        request("--sampler random -n 4 -k 10000 --stats pcf,spectrum --bins 8 --max-frequency 2 --accuracy high");
+    let request = request(
+        "--sampler random -n 4 -k 10000 --stats pcf,pcf-vector,spectrum --bins 8 --lag-bins 4 --max-frequency 2 --accuracy high",
+    );
     let truth = analyze(&request, &Cpu::new(Some(2)).unwrap()).unwrap();
     assert!(truth.warnings.is_empty());
     for calls in 0..=4 {
         let found = analyze(&request, &Mortal::new(calls)).unwrap();
         assert_eq!(found.pair_correlation, truth.pair_correlation, "after {calls} calls");
+        assert_eq!(found.vector, truth.vector, "after {calls} calls");
         let (p, q) = (&found.spectrum.as_ref().unwrap().p, &truth.spectrum.as_ref().unwrap().p);
         assert!(p.iter().zip(q).all(|(p, q)| (p - q).abs() < 1e-12), "after {calls} calls");
         let named = "mortal: pair_counts: the device was lost; continued on the native CPU path";
@@ -115,6 +122,9 @@ fn what_a_device_does_not_do_is_done_on_the_cpu_and_named() {
     let found = analyze(&request, &device).unwrap();
     assert!(found.warnings.contains(&"mortal knows no waves; done on the native CPU path".to_string()), "{found:?}");
     assert_eq!(found.computed_by.backends, [Backend::Gpu, Backend::Cpu]);
+    let device = Mortal { can_lags: false, ..Mortal::new(100) };
+    let found = analyze(&self::request("--sampler random -n 30 -k 3 --stats pcf-vector"), &device).unwrap();
+    assert!(found.warnings.contains(&"mortal knows no lags; done on the native CPU path".to_string()), "{found:?}");
 }
 
 #[test]

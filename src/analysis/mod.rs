@@ -187,6 +187,10 @@ pub fn run(
         let warning = "weights of points enter g and K only: P and distances to neighbours take every point alike";
         warnings.push(warning.to_string());
     }
+
+    if let Some(lags) = plan.lags.as_ref().filter(|_| request.lag_max.is_none() && request.lag_bins.is_none()) {
+        warnings.extend(lags.coarse(shape.mean_points));
+    }
     if let Some(waves) = plan.waves.as_ref().filter(|_| request.max_frequency.is_none()) {
         let (reach, wanted) =
             (waves.grid.max_frequency()[0], 5.0 * shape.mean_points.powf(1.0 / waves.grid.dim() as f64));

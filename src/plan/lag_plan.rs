@@ -243,6 +243,21 @@ impl LagPlan {
         Ok(Self { domain: domain.clone(), grid, filter, correction, sectors, shape, batch })
     }
 
+    /// What to say where cells are too coarse to show the structure of the closest neighbours.
+    pub(crate) fn coarse(&self, mean_points: f64) -> Option<String> {
+        let unit = self.domain.closest_packing_distance(mean_points);
+        let width = (0..self.grid.dim()).map(|axis| self.grid.width(axis)).fold(0.0, f64::max);
+        let fits = self.grid.half.iter().all(|&half| 4.0 * unit <= half);
+        (width > unit / 4.0 && fits).then(|| {
+            format!(
+                "cells of lags are {:.2} closest-packing distances wide: --lag-max {:.3e} would show 4 of these distances \
+                 round lag 0, finely",
+                width / unit,
+                4.0 * unit
+            )
+        })
+    }
+
     /// Unordered pairs looked at in all realizations.
     pub fn pairs(&self) -> f64 {
         let n = self.shape.mean_points;

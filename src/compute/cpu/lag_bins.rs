@@ -121,13 +121,13 @@ fn count_any<const D: usize, const UNEQUAL: bool>(
             let (mut place, mut near) = ([0u32; LANES], [0u32; LANES]);
             // Lanes past the last column are outside.
             let mut outside: [u32; LANES] = std::array::from_fn(|l| u32::from(l >= len - begin));
-            for k in 0..D {
+            for (k, &own) in own.iter().enumerate() {
                 let others = &job.axes[k][first + begin..first + begin + LANES];
                 for l in 0..LANES {
-                    let mut d = others[l].wrapping_sub(own[k]);
+                    let mut d = others[l].wrapping_sub(own);
                     if UNEQUAL {
                         let period = job.periods[k];
-                        d = d.wrapping_add(if others[l] < own[k] { period } else { 0 });
+                        d = d.wrapping_add(if others[l] < own { period } else { 0 });
                         let back = period.wrapping_sub(d);
                         d = if d >= back { d.wrapping_sub(period) } else { d };
                     }
@@ -153,8 +153,8 @@ fn count_any<const D: usize, const UNEQUAL: bool>(
             flags += any_near as usize;
         }
         for (begin, near) in &flagged[..flags] {
-            for l in 0..LANES {
-                if near[l] != 0 {
+            for (l, &near) in near.iter().enumerate() {
+                if near != 0 {
                     undecided.push((i as u32, (first + begin + l) as u32));
                 }
             }
