@@ -293,7 +293,8 @@ fn bandwidths_and_roads_reach_the_summary() {
     for fact in ["cross-validation", "direct sum", "kernel values", "envelope: 9 simulations"] {
         assert!(plan.contains(fact), "{fact} is missing from\n{plan}");
     }
-    let huge = "analyze --sampler random -n 3000000 --stats pcf --device cpu --kernel gaussian --explain";
+    let huge =
+        "analyze --sampler random -n 200000 --stats pcf --r-max 0.4 --kernel gaussian --bandwidth 0.005 --explain";
     assert!(scratch.ok(huge).contains("fine bins"));
     assert!(scratch.ok(&format!("{huge} --exact-kernel")).contains("direct sum in f64"));
 

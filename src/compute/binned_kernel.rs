@@ -35,10 +35,15 @@ fn curve(plan: &KernelPlan, n: u64, counts: &PairCounts) -> KernelCurve {
         let first = ((r - kernel.reach()) / width).floor().max(0.0) as usize;
         let last = (((r + kernel.reach()) / width).ceil() as usize).min(bins.len());
         let [mut sum, mut squares, mut bound] = [0.0; 3];
-        for b in (first..last).filter(|&b| counts.counts[b] > 0) {
+        let mut below = kernel.cumulative(edges[first.min(last)] - r);
+        for b in first..last {
             let (lo, hi) = (edges[b] - r, edges[b + 1] - r);
+            let to_here = kernel.cumulative(hi);
+            let mean = (to_here - std::mem::replace(&mut below, to_here)) / width;
+            if counts.counts[b] == 0 {
+                continue;
+            }
             let weight = counts.sum(b);
-            let mean = (kernel.cumulative(hi) - kernel.cumulative(lo)) / width;
             sum += weight * mean;
             // count / 2 unordered pairs of twice the mean weight.
             squares += 2.0 * weight * weight * mean * mean / counts.counts[b] as f64;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Correction, Divisor, EnsembleShape, Kernel, PairPlan, PairSettings, RadialBins};
+use super::{Correction, Divisor, EnsembleShape, Kernel, PairPlan, PairSettings, RadialBins, SmoothingKernel};
 use crate::error::{Error, Result, number};
 use crate::points::Domain;
 
@@ -18,7 +18,13 @@ const COARSEST: f64 = 128.0;
 /// Fine bins in all. With more the f32 filter decides too few pairs.
 const MAX_FINE_BINS: f64 = 262_144.0;
 
-/// Kernel values that the direct sum may take without being asked: some seconds.
+/// Costs, in values of a polynomial kernel (about 1 ns each): of a Gaussian's, of looking at a pair that may be out of reach,
+/// of counting a pair (1/2 on a CPU, far less on a GPU).
+const GAUSSIAN: f64 = 4.0;
+const LOOKING: f64 = 3.0;
+const COUNTING: f64 = 0.1;
+
+/// What the direct sum may cost without being asked for: some seconds.
 const AFFORDABLE: f64 = 4e9;
 
 /// How the sum over pairs is taken.
@@ -55,7 +61,8 @@ pub(super) fn longest_distance(domain: &Domain) -> f64 {
 
 impl KernelPlan {
     /// Checks the bandwidth and the correction, and decides the road: the direct sum where it is affordable, or no dearer
-    /// than smoothing the fine bins of every realization, or the only one (divisor d, very small bandwidths).
+    /// than counting into the fine bins of every realization and smoothing them, or the only one (divisor d, where bins at
+    /// 0 would not do; very small bandwidths).
     pub fn new(
         kernel: Kernel,
         divisor: Divisor,
@@ -85,7 +92,7 @@ impl KernelPlan {
         }
         let bins = (range / kernel.bandwidth * per_bandwidth).ceil();
         let smoothing = shape.realizations as f64 * plan.r.len() as f64 * bins.min(2.0 * kernel.reach() / range * bins);
-        if plan.cost() > AFFORDABLE.max(smoothing) {
+        if plan.cost() > AFFORDABLE.max(smoothing + COUNTING * plan.pairs.pairs()) {
             plan.road = KernelRoad::Binned;
             plan.pairs = pairs(bins as usize)?;
         }
@@ -126,9 +133,10 @@ impl KernelPlan {
         in_reach * covered
     }
 
-    /// The cost of the direct sum, in kernel values; looking at a pair costs about one.
+    /// The cost of the direct sum, in values of a polynomial kernel.
     fn cost(&self) -> f64 {
-        self.looked_at() + self.values()
+        let value = if self.kernel.shape == SmoothingKernel::Gaussian { GAUSSIAN } else { 1.0 };
+        LOOKING * self.looked_at() + value * self.values()
     }
 }
 
@@ -146,9 +154,10 @@ impl fmt::Display for KernelPlan {
                 writeln!(f, "  direct sum in f64 on the CPU: {looked:.3e} pairs looked at, {values:.3e} kernel values")
             }
             KernelRoad::Binned => {
+                let values = self.values();
                 writeln!(
                     f,
-                    "  from exact counts in fine bins, realization by realization (--exact-kernel: direct sum):"
+                    "  from counts in fine bins, realization by realization (--exact-kernel: {values:.3e} kernel values)"
                 )?;
                 write!(f, "{}", self.pairs)
             }
