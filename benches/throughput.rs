@@ -56,6 +56,21 @@ fn table(device: &dyn Compute, by_processor: bool) {
             print(&name(what), rate, "Gpair/s", limit);
         }
     }
+    // Cells: what all pairs would take against what is taken, the sort included.
+    for (dim, r) in [(2, 0.02), (2, 0.05), (2, 0.1), (3, 0.02), (3, 0.05), (3, 0.1)] {
+        let (n, bins) = (100_000, 256);
+        let name = format!("pairs {dim}D, n = {n}, r < {r}, {bins} bins, cells");
+        if !wanted(&name) {
+            continue;
+        }
+        let ensemble = uniform(dim, n, 1);
+        let Ok(bins) = RadialBins::linear(r, bins) else { continue };
+        let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape(&ensemble)) else { continue };
+        let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
+            assert!(device.pair_counts(&plan, &ensemble, &Control::default()).is_ok());
+        });
+        print(&name, rate, "Gpair/s", limit);
+    }
     for (accuracy, n, k, m) in [
         (Accuracy::Fast, 1024, 16, 64),
         (Accuracy::Fast, 65_536, 1, 64),

@@ -41,32 +41,40 @@ impl Rows<'_> {
     }
 }
 
-/// A pair f32 cannot decide (a row and a column), and the edge it is near to.
+/// A pair f32 cannot decide (a row and a column), and the place in the histogram where it was counted or, if it was not
+/// (`by_r2`), a bin at the edge in question.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Undecided {
     pub(super) i: u32,
     pub(super) column: u32,
-    pub(super) guess: u32,
+    pub(super) place: u32,
 }
 
-/// `BinFilter::Linear`, unrolled: with `t` the distance in bins, a pair is undecided iff
-/// `floor(t - guard(t)) != floor(t + guard(t))`, which is the same as an edge within the guard.
+/// Relative error of the distance in bins: five roundings of 2^-24 in r^2 (conversion twice, product, two sums) are half
+/// as many in r; the root, the bins per step and the product are one each. Together 5.5 2^-24 = 3.3e-7.
+const RELATIVE_ERROR: f64 = 3.5e-7;
+
+/// `BinFilter::Linear` in fixed point. With `t` the distance in bins, f32 rounds `t + 2^e` to `f = 23 - e` bits behind the
+/// point, if `2^e` is beyond all bins; these bits say which bin it is and how near an edge. Adding the guard first makes
+/// the undecided ones those with fraction bits below twice the guard, and with the guard a power of two these are the
+/// ones without any of the bits above.
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
     bins: u32,
-    /// Bins per step, times (1 - relative guard).
-    below: f32,
-    /// Bins per step, times (1 + relative guard).
-    above: f32,
-    /// Absolute guard in bins.
-    guard: f32,
+    bins_per_step: f32,
+    /// `2^e + guard`.
+    shift: f32,
+    /// `f`.
+    fraction_bits: u32,
+    /// The bits that undecided pairs lack.
+    clear: u32,
+    /// Smaller distances are raised to this one, clear of the edge at 0, which no distance is below.
+    least: f32,
     /// Distances beyond the last bin are cut to half a bin beyond `bins + lane`: clear of edges, and counted at places
     /// that differ between lanes, since increments of one counter wait for each other.
     limit: [f32; LANES],
-    /// Where each lane's histogram begins.
+    /// Where each lane's histogram begins, less what `2^e` adds.
     base: [u32; LANES],
-    /// The largest index of each lane.
-    last: [u32; LANES],
     /// Number of histograms the lanes share.
     pub(super) copies: usize,
     /// Counters per histogram.
@@ -74,29 +82,81 @@ pub(super) struct Linear {
 }
 
 impl Linear {
-    pub(super) fn new(bins: usize, bins_per_step: f32, relative_guard: f32, absolute_guard: f32) -> Self {
+    /// `None` where f32 decides too little: a guard of more than a quarter of a bin.
+    pub(super) fn new(bins: usize, bins_per_step: f32, absolute_guard: f32) -> Option<Self> {
         // Copies must fit into the first-level cache beside the coordinates.
         let copies = if bins <= 1024 { 4 } else { 1 };
         let stride = (bins + LANES).next_multiple_of(16);
-        let (b, g) = (f64::from(bins_per_step), f64::from(relative_guard));
-        let lane = |k: usize| k as f64;
-        Self {
+        let exponent = stride.next_power_of_two().ilog2();
+        let fraction_bits = 23 - exponent;
+        let unit = 0.5f64.powi(fraction_bits as i32);
+        let guard = RELATIVE_ERROR * stride as f64 + f64::from(absolute_guard);
+        // Rounding to the unit adds half of one. Written so that NaN and infinity fail.
+        let units = (guard / unit + 1.0).ceil();
+        if !(units <= 0.25 / unit) {
+            return None;
+        }
+        let units = (units as u32).next_power_of_two();
+        if f64::from(units) * unit > 0.25 {
+            return None;
+        }
+        let b = f64::from(bins_per_step);
+        let one = 2f32.powi(exponent as i32);
+        let linear = Self {
             bins: bins as u32,
-            below: (b * (1.0 - g)) as f32,
-            above: (b * (1.0 + g)) as f32,
-            guard: absolute_guard,
-            limit: std::array::from_fn(|k| ((bins as f64 + lane(k) + 0.5) / b) as f32),
-            base: std::array::from_fn(|k| (k % copies * stride) as u32),
-            last: std::array::from_fn(|k| (k % copies * stride + stride - 1) as u32),
+            bins_per_step,
+            shift: one + units as f32 * unit as f32,
+            fraction_bits,
+            clear: ((1 << fraction_bits) - 1) & !(2 * units - 1),
+            least: (1.25 * f64::from(units) * unit / b) as f32,
+            limit: std::array::from_fn(|k| ((bins as f64 + k as f64 + 0.5) / b) as f32),
+            base: std::array::from_fn(|k| ((k % copies * stride) as u32).wrapping_sub(one.to_bits() >> fraction_bits)),
             copies,
             stride,
-        }
+        };
+        // All indices grow with the distance, which is cut to these.
+        let within = |k: usize| linear.index(linear.limit[k], k).0 < (copies * stride) as u32;
+        assert!((0..LANES).all(within), "indices are below {copies} * {stride}");
+        Some(linear)
     }
 
-    /// The same with all lanes in one histogram, so that an index is a bin.
-    pub(super) fn one_copy(&self) -> Self {
-        let last = [self.stride as u32 - 1; LANES];
-        Self { base: [0; LANES], last, copies: 1, ..self.clone() }
+    /// The index of a distance between `least` and `limit[lane]`, and whether it is undecided.
+    #[inline(always)]
+    fn index(&self, r: f32, lane: usize) -> (u32, bool) {
+        let bits = (r * self.bins_per_step + self.shift).to_bits();
+        ((bits >> self.fraction_bits).wrapping_add(self.base[lane]), bits & self.clear == 0)
+    }
+
+    /// The bin of a squared distance (`bins` for none), and whether it is undecided.
+    #[inline(always)]
+    pub(super) fn bin(&self, r2: f32) -> (u32, bool) {
+        let (bin, undecided) = self.index(r2.sqrt().max(self.least).min(self.limit[0]), 0);
+        (bin.min(self.bins), undecided)
+    }
+}
+
+/// Indices on their way into histograms: those of one row are counted while those of the next are computed, since
+/// arithmetic and counting use different parts of a processor.
+pub(super) struct Stream {
+    /// Two rows that take turns, with the 15 indices that may be left of the one before.
+    rows: Box<[[u32; COLUMNS + 2 * LANES]; 2]>,
+    /// Which of them is to be counted, and how many indices it holds.
+    turn: usize,
+    written: usize,
+}
+
+impl Stream {
+    pub(super) fn new() -> Self {
+        Self { rows: Box::new([[0; COLUMNS + 2 * LANES]; 2]), turn: 0, written: 0 }
+    }
+
+    /// Counts what is left.
+    pub(super) fn finish(&mut self, histogram: &mut [u32]) {
+        for &index in &self.rows[self.turn][..self.written] {
+            let count = &mut histogram[index as usize];
+            *count = count.wrapping_add(1);
+        }
+        self.written = 0;
     }
 }
 
@@ -119,14 +179,14 @@ fn squared<const D: usize, const UNEQUAL: bool>(a: [u32; D], b: [u32; D], period
 
 /// Runs `$f::<D, UNEQUAL>` for the number of axes at hand.
 macro_rules! by_shape {
-    ($job:expr, $f:ident, $($arg:expr),*) => {
+    ($job:expr, $f:ident $([$rule:tt])?, $($arg:expr),*) => {
         match ($job.own.len(), $job.periods == [0; 3]) {
-            (1, true) => $f::<1, false, _>($($arg),*),
-            (2, true) => $f::<2, false, _>($($arg),*),
-            (_, true) => $f::<3, false, _>($($arg),*),
-            (1, false) => $f::<1, true, _>($($arg),*),
-            (2, false) => $f::<2, true, _>($($arg),*),
-            (_, false) => $f::<3, true, _>($($arg),*),
+            (1, true) => $f::<1, false $(, $rule)?>($($arg),*),
+            (2, true) => $f::<2, false $(, $rule)?>($($arg),*),
+            (_, true) => $f::<3, false $(, $rule)?>($($arg),*),
+            (1, false) => $f::<1, true $(, $rule)?>($($arg),*),
+            (2, false) => $f::<2, true $(, $rule)?>($($arg),*),
+            (_, false) => $f::<3, true $(, $rule)?>($($arg),*),
         }
     };
 }
@@ -168,7 +228,7 @@ fn by_r2_any<B: Fn(f32) -> (u32, bool), S: FnMut(usize, usize, &[u32])>(
     rule: (B, Option<&BinTable>, u32, S),
     undecided: &mut Vec<Undecided>,
 ) {
-    by_shape!(job, by_r2_rows, job, rule, undecided);
+    by_shape!(job, by_r2_rows[_], job, rule, undecided);
 }
 
 trait R2Rule {
@@ -233,8 +293,7 @@ fn by_r2_rows<const D: usize, const UNEQUAL: bool, R: R2Rule>(
         }
         for &o in &flagged[..flags] {
             let slot = &mut slots[o as usize];
-            let guess = slot.wrapping_add(1);
-            undecided.push(Undecided { i: i as u32, column: first as u32 + o, guess });
+            undecided.push(Undecided { i: i as u32, column: first as u32 + o, place: *slot });
             *slot = rule.no_bin();
         }
         rule.sink(i, first, &slots[..len]);
@@ -298,269 +357,246 @@ fn look_up_avx2(
     flags
 }
 
-/// Linear bins, row by row, into `sink(i, first column, indices)`.
-pub(super) fn linear(
-    level: SimdLevel,
-    job: &Rows<'_>,
-    linear: &Linear,
-    mut sink: impl FnMut(usize, usize, &[u32]),
-    undecided: &mut Vec<Undecided>,
-) {
-    run_linear(level, job, linear, &mut sink, undecided);
-}
-
-/// Linear bins into the histograms of `linear`.
+/// Linear bins into the histograms of `linear`, by way of `stream`. Undecided pairs are counted where they may be wrong.
+/// Whether there is a kernel for it; `by_r2` does it too.
+#[must_use]
 pub(super) fn linear_histogram(
     level: SimdLevel,
     job: &Rows<'_>,
     linear: &Linear,
+    stream: &mut Stream,
     histogram: &mut [u32],
     undecided: &mut Vec<Undecided>,
-) {
+) -> bool {
     assert!(histogram.len() >= linear.copies * linear.stride, "one histogram per copy");
-    let mut sink = |_: usize, _: usize, slots: &[u32]| {
-        let mut increment = |slot: u32| {
-            debug_assert!((slot as usize) < histogram.len(), "indices are cut to `last`");
-            // SAFETY: every kernel cuts its indices to `linear.last`, which is below copies * stride.
-            let count = unsafe { histogram.get_unchecked_mut(slot as usize) };
-            *count = count.wrapping_add(1);
-        };
-        // By eights: one store per cycle is the limit, which a loop of one increment does not reach.
-        let (eights, rest) = slots.as_chunks::<8>();
-        for eight in eights {
-            eight.iter().for_each(|&slot| increment(slot));
-        }
-        rest.iter().for_each(|&slot| increment(slot));
-    };
-    run_linear(level, job, linear, &mut sink, undecided);
-}
-
-#[inline(always)]
-fn run_linear<S: FnMut(usize, usize, &[u32])>(
-    level: SimdLevel,
-    job: &Rows<'_>,
-    linear: &Linear,
-    sink: &mut S,
-    undecided: &mut Vec<Undecided>,
-) {
     assert!(job.columns <= COLUMNS, "a piece fits the buffer");
     assert!(job.others.iter().all(|a| a.len() >= job.columns + LANES), "coordinates are padded");
     match level {
-        // SAFETY: the level was detected, and the lengths were checked just now.
         #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx512 => unsafe { by_shape!(job, linear_avx512, job, linear, sink, undecided) },
-        // SAFETY: as above.
+        SimdLevel::Avx512 => by_shape!(job, linear_rows[true], job, linear, stream, histogram, undecided),
         #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx2 => unsafe { by_shape!(job, linear_avx2, job, linear, sink, undecided) },
-        _ => by_shape!(job, linear_portable, job, linear, sink, undecided),
+        SimdLevel::Avx2 => by_shape!(job, linear_rows[false], job, linear, stream, histogram, undecided),
+        _ => return false,
     }
+    true
 }
 
-#[inline(always)]
-fn linear_portable<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &[u32])>(
+/// One point against all columns, and counting meanwhile.
+#[cfg(target_arch = "x86_64")]
+struct LinearRow<'a, const D: usize> {
+    linear: &'a Linear,
+    own: [u32; D],
+    others: [*const u32; D],
+    periods: [u32; 3],
+    len: usize,
+    /// Where indices go: room for `len` and `LANES` more.
+    to: *mut u32,
+    /// Indices to be counted, in groups of 16.
+    from: *const u32,
+    groups: usize,
+    histogram: *mut u32,
+}
+
+/// Offset and mask of each 16 columns with undecided pairs among them.
+#[cfg(target_arch = "x86_64")]
+type Flags = [u32; COLUMNS / 16 + 1];
+
+/// The instruction sets must have been detected, the job and the histogram checked.
+#[cfg(target_arch = "x86_64")]
+fn linear_rows<const D: usize, const UNEQUAL: bool, const AVX512: bool>(
     job: &Rows<'_>,
     linear: &Linear,
-    sink: &mut S,
+    stream: &mut Stream,
+    histogram: &mut [u32],
     undecided: &mut Vec<Undecided>,
 ) {
-    let mut slots = [0u32; COLUMNS + LANES];
-    let mut upper = [0u32; COLUMNS + LANES];
+    let mut flags: Flags = [0; _];
     for i in job.rows.clone() {
         let first = job.first(i);
-        let len = job.columns.saturating_sub(first);
-        let own: [u32; D] = std::array::from_fn(|k| job.own[k][i]);
-        for begin in (0..len).step_by(LANES) {
-            let others: [&[u32]; D] = std::array::from_fn(|k| &job.others[k][first + begin..first + begin + LANES]);
-            let (slots, upper) = (&mut slots[begin..begin + LANES], &mut upper[begin..begin + LANES]);
-            for l in 0..LANES {
-                let r2 = squared::<D, UNEQUAL>(own, std::array::from_fn(|k| others[k][l]), job.periods);
-                let r = r2.sqrt().min(linear.limit[l]);
-                slots[l] = (r * linear.below - linear.guard) as i32 as u32;
-                upper[l] = (r * linear.above + linear.guard) as i32 as u32;
+        if first >= job.columns {
+            continue;
+        }
+        let len = job.columns - first;
+        let (groups, left) = (stream.written / LANES, stream.written % LANES);
+        let [a, b] = &mut *stream.rows;
+        let (from, to) = if stream.turn == 0 { (a, b) } else { (b, a) };
+        to[..LANES].copy_from_slice(&from[LANES * groups..][..LANES]);
+        let row = LinearRow::<D> {
+            linear,
+            own: std::array::from_fn(|k| job.own[k][i]),
+            others: std::array::from_fn(|k| job.others[k][first..].as_ptr()),
+            periods: job.periods,
+            len,
+            to: to[left..].as_mut_ptr(),
+            from: from.as_ptr(),
+            groups,
+            histogram: histogram.as_mut_ptr(),
+        };
+        // SAFETY: columns are padded by `LANES`; `to` has room for 15 left, `COLUMNS` and padding; all indices of
+        // `linear` are within the histogram.
+        let flagged = unsafe {
+            if AVX512 {
+                linear_row_avx512::<D, UNEQUAL>(&row, &mut flags)
+            } else {
+                linear_row_avx2::<D, UNEQUAL>(&row, &mut flags)
+            }
+        };
+        let indices = &to[left..left + len];
+        for &flag in &flags[..flagged] {
+            let mut mask = flag & 0xffff;
+            while mask != 0 {
+                let o = (flag >> 16) as usize + mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                // What lies beyond the row is none of its pairs.
+                if let Some(&place) = indices.get(o) {
+                    undecided.push(Undecided { i: i as u32, column: (first + o) as u32, place });
+                }
             }
         }
-        for o in 0..len {
-            let (lower, lane) = (slots[o], o % LANES);
-            let index = if lower == upper[o] {
-                lower
-            } else {
-                let guess = lower.wrapping_add(1);
-                undecided.push(Undecided { i: i as u32, column: (first + o) as u32, guess });
-                linear.bins
-            };
-            slots[o] = (linear.base[lane] + index.min(linear.stride as u32 - 1)).min(linear.last[lane]);
-        }
-        sink(i, first, &slots[..len]);
+        (stream.turn, stream.written) = (1 - stream.turn, left + len);
     }
 }
 
-/// Lists the lanes set in `mask` as undecided and takes them out of the histogram.
+/// Calls `$compute(o)` for every 16 columns and counts `row.groups` groups, in turns as long as there are both.
 #[cfg(target_arch = "x86_64")]
-#[cold]
-#[inline(never)]
-fn set_aside(
-    mut mask: u32,
-    i: usize,
-    first: usize,
-    linear: &Linear,
-    slots: &mut [u32],
-    left: usize,
-    undecided: &mut Vec<Undecided>,
-) {
-    while mask != 0 {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask - 1;
-        let base = linear.base[lane % 8];
-        let guess = slots[lane].wrapping_sub(base).wrapping_add(1);
-        slots[lane] = base + linear.bins;
-        if lane < left {
-            undecided.push(Undecided { i: i as u32, column: (first + lane) as u32, guess });
+macro_rules! compute_and_count {
+    ($row:expr, $compute:expr) => {
+        let row = $row;
+        let computed = row.len.div_ceil(LANES);
+        for g in 0..computed.min(row.groups) {
+            $compute(LANES * g);
+            count(row.from.add(LANES * g), row.histogram);
+        }
+        for g in row.groups..computed {
+            $compute(LANES * g);
+        }
+        for g in computed..row.groups {
+            count(row.from.add(LANES * g), row.histogram);
+        }
+    };
+}
+
+/// Counts 16 indices.
+///
+/// # Safety
+/// There are 16, all below the length of the histogram.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+unsafe fn count(indices: *const u32, histogram: *mut u32) {
+    for k in 0..LANES {
+        // SAFETY: as the caller says.
+        unsafe {
+            let count = histogram.add(*indices.add(k) as usize);
+            *count = (*count).wrapping_add(1);
         }
     }
 }
 
+/// The number of flags. Kept apart from its callers, so that constants stay in registers.
+///
 /// # Safety
-/// AVX2 and FMA; `job.others` hold `LANES` more than the last column; at most `COLUMNS` columns.
+/// AVX2 and FMA; what `LinearRow` says of its pointers.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-unsafe fn linear_avx2<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &[u32])>(
-    job: &Rows<'_>,
-    linear: &Linear,
-    sink: &mut S,
-    undecided: &mut Vec<Undecided>,
-) {
-    let mut slots = [0u32; COLUMNS + LANES];
-    // Where groups of 16 with undecided pairs begin: kept for later, so that the loop has no branches or calls.
-    let mut flagged = [0u32; COLUMNS / 16 + 1];
-    let below = _mm256_set1_ps(linear.below);
-    let above = _mm256_set1_ps(linear.above);
-    let guard = _mm256_set1_ps(linear.guard);
-    // SAFETY: the arrays have 16 elements.
-    let (limit, base, last) = unsafe {
-        (
-            _mm256_loadu_ps(linear.limit.as_ptr()),
-            _mm256_loadu_si256(linear.base.as_ptr().cast()),
-            _mm256_loadu_si256(linear.last.as_ptr().cast()),
-        )
+#[inline(never)]
+unsafe fn linear_row_avx2<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'_, D>, flags: &mut Flags) -> usize {
+    let linear = row.linear;
+    let bins_per_step = _mm256_set1_ps(linear.bins_per_step);
+    let shift = _mm256_set1_ps(linear.shift);
+    let least = _mm256_set1_ps(linear.least);
+    let clear = _mm256_set1_epi32(linear.clear as i32);
+    let fraction_bits = _mm_cvtsi32_si128(linear.fraction_bits as i32);
+    let own: [__m256i; D] = row.own.map(|x| _mm256_set1_epi32(x as i32));
+    let periods = row.periods.map(|p| _mm256_set1_epi32(p as i32));
+    // The indices of 8 pairs, and which of them are undecided.
+    let eight = |o: usize, lane: usize| {
+        let mut r2 = _mm256_setzero_ps();
+        for k in 0..D {
+            // SAFETY: columns are padded.
+            let other = unsafe { _mm256_loadu_si256(row.others[k].add(o + lane).cast()) };
+            let d = if UNEQUAL {
+                let apart = _mm256_sub_epi32(_mm256_max_epu32(own[k], other), _mm256_min_epu32(own[k], other));
+                _mm256_min_epu32(apart, _mm256_sub_epi32(periods[k], apart))
+            } else {
+                _mm256_sub_epi32(own[k], other)
+            };
+            let d = _mm256_cvtepi32_ps(d);
+            r2 = if k == 0 { _mm256_mul_ps(d, d) } else { _mm256_fmadd_ps(d, d, r2) };
+        }
+        // SAFETY: the arrays have 16 elements, `lane` is 0 or 8; there is room for 16 indices.
+        unsafe {
+            let limit = _mm256_loadu_ps(linear.limit.as_ptr().add(lane));
+            let base = _mm256_loadu_si256(linear.base.as_ptr().add(lane).cast());
+            let r = _mm256_min_ps(_mm256_max_ps(_mm256_sqrt_ps(r2), least), limit);
+            let bits = _mm256_castps_si256(_mm256_fmadd_ps(r, bins_per_step, shift));
+            let index = _mm256_add_epi32(_mm256_srl_epi32(bits, fraction_bits), base);
+            _mm256_storeu_si256(row.to.add(o + lane).cast(), index);
+            let near = _mm256_cmpeq_epi32(_mm256_and_si256(bits, clear), _mm256_setzero_si256());
+            _mm256_movemask_ps(_mm256_castsi256_ps(near)) as u32
+        }
     };
-    let periods = job.periods.map(|p| _mm256_set1_epi32(p as i32));
-    for i in job.rows.clone() {
-        let first = job.first(i);
-        if first >= job.columns {
-            continue;
-        }
-        let len = job.columns - first;
-        let own: [__m256i; D] = std::array::from_fn(|k| _mm256_set1_epi32(job.own[k][i] as i32));
-        // The index of 8 pairs, and which of them are undecided (lanes of ones where decided).
-        let eight = |o: usize| {
-            let mut r2 = _mm256_setzero_ps();
-            for k in 0..D {
-                // SAFETY: `first + o + 8` is at most `columns + 15`.
-                let other = unsafe { _mm256_loadu_si256(job.others[k].as_ptr().add(first + o).cast()) };
-                let d = if UNEQUAL {
-                    let apart = _mm256_sub_epi32(_mm256_max_epu32(own[k], other), _mm256_min_epu32(own[k], other));
-                    _mm256_min_epu32(apart, _mm256_sub_epi32(periods[k], apart))
-                } else {
-                    _mm256_sub_epi32(own[k], other)
-                };
-                let d = _mm256_cvtepi32_ps(d);
-                r2 = if k == 0 { _mm256_mul_ps(d, d) } else { _mm256_fmadd_ps(d, d, r2) };
-            }
-            let r = _mm256_min_ps(_mm256_sqrt_ps(r2), limit);
-            let lower = _mm256_cvttps_epi32(_mm256_fmsub_ps(r, below, guard));
-            let upper = _mm256_cvttps_epi32(_mm256_fmadd_ps(r, above, guard));
-            (_mm256_min_epu32(_mm256_add_epi32(lower, base), last), _mm256_cmpeq_epi32(lower, upper))
-        };
-        let mut flags = 0;
-        for o in (0..len).step_by(16) {
-            let (index0, decided0) = eight(o);
-            let (index1, decided1) = eight(o + 8);
-            // SAFETY: `o + 16` is at most `COLUMNS + LANES`.
-            unsafe {
-                let to = slots.as_mut_ptr().add(o);
-                _mm256_storeu_si256(to.cast(), index0);
-                _mm256_storeu_si256(to.add(8).cast(), index1);
-            }
-            let decided = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(decided0, decided1)));
-            flagged[flags] = o as u32;
-            flags += usize::from(decided != 0xff);
-        }
-        for &o in &flagged[..flags] {
-            let o = o as usize;
-            let [mask0, mask1] =
-                [eight(o).1, eight(o + 8).1].map(|d| !_mm256_movemask_ps(_mm256_castsi256_ps(d)) as u32 & 0xff);
-            set_aside(mask0 | mask1 << 8, i, first + o, linear, &mut slots[o..o + 16], len - o, undecided);
-        }
-        sink(i, first, &slots[..len]);
+    let mut flagged = 0;
+    let mut sixteen = |o: usize| {
+        let mask = eight(o, 0) | eight(o, 8) << 8;
+        // SAFETY: at most one flag per 16 columns.
+        unsafe { *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask };
+        flagged += usize::from(mask != 0);
+    };
+    // SAFETY: `row` says so.
+    unsafe {
+        compute_and_count!(row, sixteen);
     }
+    flagged
 }
 
+/// The number of flags.
+///
 /// # Safety
-/// AVX-512 F; `job.others` hold `LANES` more than the last column; at most `COLUMNS` columns.
+/// AVX-512 F and DQ; what `LinearRow` says of its pointers.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-unsafe fn linear_avx512<const D: usize, const UNEQUAL: bool, S: FnMut(usize, usize, &[u32])>(
-    job: &Rows<'_>,
-    linear: &Linear,
-    sink: &mut S,
-    undecided: &mut Vec<Undecided>,
-) {
-    let mut slots = [0u32; COLUMNS + LANES];
-    // Where groups of 16 with undecided pairs begin: kept for later, so that the loop has no branches or calls.
-    let mut flagged = [0u32; COLUMNS / 16 + 1];
-    let below = _mm512_set1_ps(linear.below);
-    let above = _mm512_set1_ps(linear.above);
-    let guard = _mm512_set1_ps(linear.guard);
-    // Both halves alike, so that lane k and k + 8 share a histogram, as with 8 lanes.
+#[inline(never)]
+unsafe fn linear_row_avx512<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'_, D>, flags: &mut Flags) -> usize {
+    let linear = row.linear;
+    let bins_per_step = _mm512_set1_ps(linear.bins_per_step);
+    let shift = _mm512_set1_ps(linear.shift);
+    let least = _mm512_set1_ps(linear.least);
+    let clear = _mm512_set1_epi32(linear.clear as i32);
+    let fraction_bits = _mm_cvtsi32_si128(linear.fraction_bits as i32);
     // SAFETY: the arrays have 16 elements.
-    let (limit, base, last) = unsafe {
-        (
-            _mm512_loadu_ps(linear.limit.as_ptr()),
-            _mm512_loadu_si512(linear.base.as_ptr().cast()),
-            _mm512_loadu_si512(linear.last.as_ptr().cast()),
-        )
+    let (limit, base) =
+        unsafe { (_mm512_loadu_ps(linear.limit.as_ptr()), _mm512_loadu_si512(linear.base.as_ptr().cast())) };
+    let own: [__m512i; D] = row.own.map(|x| _mm512_set1_epi32(x as i32));
+    let periods = row.periods.map(|p| _mm512_set1_epi32(p as i32));
+    let mut flagged = 0;
+    let mut sixteen = |o: usize| {
+        let mut r2 = _mm512_setzero_ps();
+        for k in 0..D {
+            // SAFETY: columns are padded.
+            let other = unsafe { _mm512_loadu_si512(row.others[k].add(o).cast()) };
+            let d = if UNEQUAL {
+                let apart = _mm512_sub_epi32(_mm512_max_epu32(own[k], other), _mm512_min_epu32(own[k], other));
+                _mm512_min_epu32(apart, _mm512_sub_epi32(periods[k], apart))
+            } else {
+                _mm512_sub_epi32(own[k], other)
+            };
+            let d = _mm512_cvtepi32_ps(d);
+            r2 = if k == 0 { _mm512_mul_ps(d, d) } else { _mm512_fmadd_ps(d, d, r2) };
+        }
+        let r = _mm512_min_ps(_mm512_max_ps(_mm512_sqrt_ps(r2), least), limit);
+        let bits = _mm512_castps_si512(_mm512_fmadd_ps(r, bins_per_step, shift));
+        let mask = u32::from(_mm512_testn_epi32_mask(bits, clear));
+        let index = _mm512_add_epi32(_mm512_srl_epi32(bits, fraction_bits), base);
+        // SAFETY: there is room for 16 indices, and at most one flag per 16 columns.
+        unsafe {
+            _mm512_storeu_si512(row.to.add(o).cast(), index);
+            *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask;
+        }
+        flagged += usize::from(mask != 0);
     };
-    let periods = job.periods.map(|p| _mm512_set1_epi32(p as i32));
-    for i in job.rows.clone() {
-        let first = job.first(i);
-        if first >= job.columns {
-            continue;
-        }
-        let len = job.columns - first;
-        let own: [__m512i; D] = std::array::from_fn(|k| _mm512_set1_epi32(job.own[k][i] as i32));
-        // The index of 16 pairs, and which of them are undecided.
-        let sixteen = |o: usize| {
-            let mut r2 = _mm512_setzero_ps();
-            for k in 0..D {
-                // SAFETY: `first + o + 16` is at most `columns + 15`.
-                let other = unsafe { _mm512_loadu_si512(job.others[k].as_ptr().add(first + o).cast()) };
-                let d = if UNEQUAL {
-                    let apart = _mm512_sub_epi32(_mm512_max_epu32(own[k], other), _mm512_min_epu32(own[k], other));
-                    _mm512_min_epu32(apart, _mm512_sub_epi32(periods[k], apart))
-                } else {
-                    _mm512_sub_epi32(own[k], other)
-                };
-                let d = _mm512_cvtepi32_ps(d);
-                r2 = if k == 0 { _mm512_mul_ps(d, d) } else { _mm512_fmadd_ps(d, d, r2) };
-            }
-            let r = _mm512_min_ps(_mm512_sqrt_ps(r2), limit);
-            let lower = _mm512_cvttps_epi32(_mm512_fmsub_ps(r, below, guard));
-            let upper = _mm512_cvttps_epi32(_mm512_fmadd_ps(r, above, guard));
-            let index = _mm512_min_epu32(_mm512_add_epi32(lower, base), last);
-            (index, u32::from(_mm512_cmpneq_epi32_mask(lower, upper)))
-        };
-        let mut flags = 0;
-        for o in (0..len).step_by(16) {
-            let (index, mask) = sixteen(o);
-            // SAFETY: `o + 16` is at most `COLUMNS + LANES`.
-            unsafe { _mm512_storeu_si512(slots.as_mut_ptr().add(o).cast(), index) };
-            flagged[flags] = o as u32;
-            flags += usize::from(mask != 0);
-        }
-        for &o in &flagged[..flags] {
-            let o = o as usize;
-            set_aside(sixteen(o).1, i, first + o, linear, &mut slots[o..o + 16], len - o, undecided);
-        }
-        sink(i, first, &slots[..len]);
+    // SAFETY: `row` says so.
+    unsafe {
+        compute_and_count!(row, sixteen);
     }
+    flagged
 }

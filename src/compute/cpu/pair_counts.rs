@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
-use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, by_r2};
+use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, Stream, by_r2};
 use super::pair_weights::{PairWeights, PointData, WeightSums};
 use super::simd::SimdLevel;
 use crate::accumulate::{PairCounts, PairHistogram};
@@ -27,9 +27,6 @@ use crate::points::Ensemble;
 
 /// Points per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
 const BLOCK: usize = 128;
-
-/// Absolute guard, in bins, beyond which f32 decides so little that every pair near the bins is settled in integers.
-const HOPELESS_GUARD: f32 = 0.25;
 
 /// With more bins than this the sums of one realization are large, so that they are shared between threads.
 const SHARED_BINS: usize = 1 << 15;
@@ -166,7 +163,7 @@ fn round32(v: u64, period: u32) -> u32 {
 enum Filter<'a> {
     Linear(Box<Linear>),
     Table(&'a BinTable),
-    /// Bins far below a step of 2^-32: all pairs with `r2` up to this are undecided.
+    /// Bins that f32 cannot tell apart: all pairs with `r2` up to this are undecided.
     Near(f32),
 }
 
@@ -174,15 +171,13 @@ impl<'a> Filter<'a> {
     fn new(plan: &'a PairPlan) -> Self {
         match &plan.filter {
             BinFilter::Table(table) => Self::Table(table),
-            &BinFilter::Linear { bins_per_step, relative_guard, absolute_guard } => {
-                // NaN and infinity are r_max far below a step.
-                if absolute_guard.is_nan() || absolute_guard > HOPELESS_GUARD {
-                    let steps = plan.bins.r_max() / plan.domain.length_unit() * 2f64.powi(32);
-                    // Rounding coordinates moves a difference by at most 1.5 steps per axis.
-                    return Self::Near(((steps + 3.0).powi(2) * 1.000_01) as f32);
+            &BinFilter::Linear { bins_per_step, absolute_guard, .. } => {
+                if let Some(linear) = Linear::new(plan.bins.len(), bins_per_step, absolute_guard) {
+                    return Self::Linear(Box::new(linear));
                 }
-                let bins = plan.bins.len();
-                Self::Linear(Box::new(Linear::new(bins, bins_per_step, relative_guard, absolute_guard)))
+                let steps = plan.bins.r_max() / plan.domain.length_unit() * 2f64.powi(32);
+                // Rounding coordinates moves a difference by at most 1.5 steps per axis.
+                Self::Near(((steps + 3.0).powi(2) * 1.000_01) as f32)
             }
         }
     }
@@ -222,6 +217,7 @@ struct Tally {
     /// `copies` histograms of `stride` counters, short-lived.
     short: Vec<u32>,
     stride: usize,
+    stream: Stream,
     /// Pairs that went into `short` since it was last emptied.
     pending: u64,
     counts: Vec<u64>,
@@ -242,6 +238,7 @@ impl Tally {
             bins,
             short: vec![0; copies * stride],
             stride,
+            stream: Stream::new(),
             pending: 0,
             counts: vec![0; bins],
             weights: WeightSums::new(plan),
@@ -311,7 +308,7 @@ impl Tally {
         let periods = set.rounded_periods;
         let job = Rows { own: &own, rows, others: &others[..own.len()], columns: columns.len(), triangle, periods };
         let bins = self.bins;
-        let Self { short, stride, weights, counts, undecided, .. } = self;
+        let Self { short, stride, stream, weights, counts, undecided, .. } = self;
         if let Some(weights) = weights {
             let of_points = PairWeights::new(plan, &set.exact, &set.data);
             let sink = |i: usize, first: usize, slots: &[u32]| {
@@ -324,7 +321,7 @@ impl Tally {
                 }
             };
             match filter {
-                Filter::Linear(linear) => pair_bins::linear(level, &job, &linear.one_copy(), sink, undecided),
+                Filter::Linear(linear) => by_r2(level, &job, |r2| linear.bin(r2), None, bins as u32, sink, undecided),
                 Filter::Table(table) => {
                     by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided)
                 }
@@ -334,7 +331,7 @@ impl Tally {
             }
             for pair in undecided.drain(..) {
                 let (i, j) = (pair.i as usize, columns.points[pair.column as usize] as usize);
-                if let Some(bin) = settle(plan, set, i, j, pair.guess) {
+                if let Some(bin) = settle(plan, set, i, j, pair.place) {
                     counts[bin] += 1;
                     weights.add(&of_points, bin, i, j);
                 }
@@ -342,7 +339,19 @@ impl Tally {
             return;
         }
         match filter {
-            Filter::Linear(linear) => pair_bins::linear_histogram(level, &job, linear, short, undecided),
+            Filter::Linear(linear) => {
+                if pair_bins::linear_histogram(level, &job, linear, stream, short, undecided) {
+                    for pair in undecided.iter_mut() {
+                        // Counting may be yet to come; the sum is right all the same.
+                        let count = &mut short[pair.place as usize];
+                        *count = count.wrapping_sub(1);
+                        pair.place %= *stride as u32;
+                    }
+                } else {
+                    let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
+                    by_r2(level, &job, |r2| linear.bin(r2), None, bins as u32, sink, undecided);
+                }
+            }
             Filter::Table(table) => {
                 let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
                 by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided);
@@ -354,7 +363,7 @@ impl Tally {
         }
         for pair in undecided.drain(..) {
             let j = columns.points[pair.column as usize] as usize;
-            if let Some(bin) = settle(plan, set, pair.i as usize, j, pair.guess) {
+            if let Some(bin) = settle(plan, set, pair.i as usize, j, pair.place) {
                 counts[bin] += 1;
             }
         }
@@ -362,6 +371,7 @@ impl Tally {
 
     /// Moves the short counters into the long ones, before they can overflow.
     fn empty(&mut self) {
+        self.stream.finish(&mut self.short);
         for copy in self.short.chunks_exact_mut(self.stride) {
             for (count, short) in self.counts.iter_mut().zip(&*copy) {
                 *count += u64::from(*short);
@@ -423,15 +433,14 @@ fn near_bin(beyond: f32, bins: usize, r2: f32) -> (u32, bool) {
     (bins as u32, r2 <= beyond)
 }
 
-/// The bin of a pair by the definition.
-fn settle(plan: &PairPlan, set: &Set<'_>, i: usize, j: usize, guess: u32) -> Option<usize> {
+/// The bin of a pair by the definition; nearly always one of those at the edge of the bin `near`.
+fn settle(plan: &PairPlan, set: &Set<'_>, i: usize, j: usize, near: u32) -> Option<usize> {
     let thresholds = &plan.thresholds;
     let r2 = reference::squared_distance(&set.exact, set.periods, i, j);
-    // Nearly always one of the two bins that meet at the edge in question.
-    let guess = (guess as usize).min(thresholds.len() - 1).saturating_sub(1);
-    for (k, edges) in thresholds[guess..].windows(2).take(3).enumerate() {
+    let first = (near as usize).min(thresholds.len() - 1).saturating_sub(1);
+    for (k, edges) in thresholds[first..].windows(2).take(3).enumerate() {
         if edges[0] <= r2 && r2 < edges[1] {
-            return Some(guess + k);
+            return Some(first + k);
         }
     }
     let slot = thresholds.partition_point(|&t| t <= r2);
