@@ -62,6 +62,14 @@ pub struct PointsRequest {
     #[serde(serialize_with = "as_typed")]
     pub raw: Option<RawLayout>,
 
+    /// The column that holds the weight of each point, by its name or its number from 1
+    #[arg(long, value_name = "COLUMN", conflicts_with = "sampler")]
+    pub weight_column: Option<String>,
+
+    /// The column that holds the class of each point, by its name or its number from 1
+    #[arg(long, value_name = "COLUMN", conflicts_with = "sampler")]
+    pub class_column: Option<String>,
+
     /// What happens at the sides [default: torus; window with --window]
     #[arg(long, value_enum)]
     pub domain: Option<Boundary>,
@@ -136,14 +144,6 @@ pub struct Request {
     /// On a torus, also take distances beyond half the shortest side, up to half the diagonal
     #[arg(long)]
     pub beyond_half: bool,
-
-    /// The column that holds the weight of each point, by its name or its number from 1
-    #[arg(long, value_name = "COLUMN", conflicts_with = "sampler")]
-    pub weight_column: Option<String>,
-
-    /// The column that holds the class of each point, by its name or its number from 1
-    #[arg(long, value_name = "COLUMN", conflicts_with = "sampler")]
-    pub class_column: Option<String>,
 
     /// The two classes whose g is wanted [default: the two there are]
     #[arg(long, value_name = "A,B", value_delimiter = ',', requires = "class_column")]

@@ -1,11 +1,12 @@
 //! Where the points come from: files, read once, or a sampler, drawn batch by batch.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::compute::Control;
 use crate::error::{Error, Result, numbers};
 use crate::plan::EnsembleShape;
-use crate::points::read::{ReadOptions, read_all};
+use crate::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
 use crate::points::{Boundary, Domain, Ensemble, RawPoints};
 use crate::request::PointsRequest;
 use crate::samplers::{self, ParameterValues, Sampler};
@@ -61,6 +62,7 @@ impl Process {
 pub struct Source {
     subject: String,
     domain: Domain,
+    classes: Vec<String>,
     kind: Kind,
 }
 
@@ -82,7 +84,7 @@ impl Source {
             }
             let domain = domain(request, dim)?;
             let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
-            return Ok(Self { subject, domain, kind: Kind::Process(process) });
+            return Ok(Self { subject, domain, classes: Vec::new(), kind: Kind::Process(process) });
         }
         only_for_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
@@ -95,17 +97,19 @@ impl Source {
         if request.files.is_empty() {
             return Err(Error::setting("FILES", "(none)", "expected point files, or --sampler NAME -n N"));
         }
-        let raw = read_all(&request.files, &ReadOptions { dim: dim_of_flags(request), raw: request.raw })?;
-        let first = raw.first().ok_or_else(|| Error::input("points", "the files hold no realizations"))?;
-        let domain = domain(request, first.dim)?;
-        let ensemble = Ensemble::from_raw(&raw, &domain, request.wrap, 0)?;
+        let columns = Columns::new(request.weight_column.as_deref(), request.class_column.as_deref())?;
+        let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
+        let marked = read_marked(&request.files, &options, &columns)?;
+        let first = marked.first().ok_or_else(|| Error::input("points", "the files hold no realizations"))?;
+        let domain = domain(request, first.points.dim)?;
+        let (ensemble, classes) = ensemble(marked, &domain, request)?;
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let subject = match names.as_slice() {
             [one] => one.clone(),
             [one, ..] => format!("{one} and {} more", names.len() - 1),
             [] => String::new(),
         };
-        Ok(Self { subject, domain, kind: Kind::Loaded(ensemble) })
+        Ok(Self { subject, domain, classes, kind: Kind::Loaded(ensemble) })
     }
 
     /// What this is, in words.
@@ -116,6 +120,11 @@ impl Source {
     /// The domain.
     pub fn domain(&self) -> &Domain {
         &self.domain
+    }
+
+    /// The names of the classes of points, in order of their first point; none if there is no column of them.
+    pub fn classes(&self) -> &[String] {
+        &self.classes
     }
 
     /// The sampler, if the points come from one.
@@ -155,6 +164,35 @@ impl Source {
             }
         }
     }
+}
+
+/// The points with their weights and classes, and the names of the classes.
+fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest) -> Result<(Ensemble, Vec<String>)> {
+    let (mut raw, mut weights, mut classes) = (Vec::new(), Vec::new(), Vec::new());
+    let mut names: Vec<String> = Vec::new();
+    let mut numbers = HashMap::new();
+    for set in marked {
+        raw.push(set.points);
+        weights.extend(set.weights);
+        for label in set.labels {
+            let number = *numbers.entry(label).or_insert_with_key(|label| {
+                names.push(label.clone());
+                names.len() as u32 - 1
+            });
+            classes.push(number);
+        }
+    }
+    let mut ensemble = Ensemble::from_raw(&raw, domain, request.wrap, 0)?;
+    if let Some(column) = &request.weight_column {
+        if !weights.iter().any(|&w| w > 0.0) {
+            return Err(Error::setting("--weight-column", column, "all weights are 0"));
+        }
+        ensemble = ensemble.with_weights(&weights);
+    }
+    if request.class_column.is_some() {
+        ensemble = ensemble.with_classes(classes);
+    }
+    Ok((ensemble, names))
 }
 
 /// Files hold their own points; what shapes a sampler's would be silently ignored.

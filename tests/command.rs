@@ -209,6 +209,47 @@ fn samplers_and_devices_are_listed() {
     assert!(scratch.ok("devices").starts_with("cpu "));
 }
 
+#[test]
+fn k_alone_writes_no_g_and_classes_write_their_own() {
+    let scratch = Scratch::new();
+    let points: String =
+        (0..40).map(|j| format!("0.{:02},0.{:02},{}\n", j * 37 % 100, j * 61 % 100, j % 2 + 1)).collect();
+    scratch.file("trees.csv", &format!("x,y,kind\n{points}"));
+    scratch.ok("analyze trees.csv --window 0,1,0,1 --stats k-function --r-max 0.25 --bins 10 --device cpu --out k");
+    let files = std::fs::read_dir(scratch.path("k")).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap());
+    let mut files: Vec<_> = files.collect();
+    files.sort();
+    assert_eq!(files, ["k_function.csv", "k_function.svg", "points.svg", "report.html", "summary.json"]);
+    let common = "--window 0,1,0,1 --stats pcf,k-function --r-max 0.25 --bins 10 --device cpu";
+    let said = scratch.ok(&format!("analyze trees.csv {common} --class-column kind --out both"));
+    assert!(said.contains("g of 1 and 2: "), "{said}");
+    let k = |dir: &str| std::fs::read(scratch.path(dir).join("k_function.csv")).unwrap();
+    assert!(k("k") == k("both"), "one pass counts for g and for K");
+    let (all, cross) = (csv(&scratch.path("both/pcf.csv")), csv(&scratch.path("both/pcf_cross.csv")));
+    let sum = |name: &str| column::<u64>(&cross, name).iter().sum::<u64>();
+    let whole: u64 = column::<u64>(&all, "count").iter().sum();
+    assert_eq!(sum("count_aa") + sum("count_bb") + 2 * sum("count_ab"), whole, "every pair is of some kind");
+    // Classes by number, in the other order: the same g between them.
+    scratch.ok(&format!("analyze trees.csv {common} --class-column 3 --classes 2,1 --out turned"));
+    let turned = csv(&scratch.path("turned/pcf_cross.csv"));
+    assert_eq!(column::<String>(&turned, "g_ab"), column::<String>(&cross, "g_ab"));
+    assert_eq!(column::<String>(&turned, "g_aa"), column::<String>(&cross, "g_bb"));
+    // Weights that are all alike, and a warning that P does not know them.
+    scratch.file("sizes.txt", &points.replace(",1\n", ",4\n").replace(",2\n", ",4\n"));
+    let weighted = "--weight-column 3 --stats pcf,spectrum";
+    scratch
+        .ok(&format!("analyze sizes.txt --window 0,1,0,1 --r-max 0.25 --bins 10 --device cpu {weighted} --out sizes"));
+    let sizes = csv(&scratch.path("sizes/pcf.csv"));
+    for (weighted, plain) in column::<f64>(&sizes, "g").iter().zip(column::<f64>(&all, "g")) {
+        assert!((weighted - plain).abs() < 1e-8 * (1.0 + plain), "{weighted}, not {plain}");
+    }
+    assert!(summary(&scratch.path("sizes"))["warnings"].to_string().contains("weights of points enter g and K only"));
+    // To half the diagonal of a torus: every pair.
+    scratch.ok("analyze sizes.txt --weight-column 3 --r-max 0.7071067811865476 --beyond-half --device cpu --out far");
+    let far = csv(&scratch.path("far/pcf.csv"));
+    assert_eq!(column::<u64>(&far, "count").iter().sum::<u64>(), 40 * 39);
+}
+
 /// Every kind of wrong request or input, with its exact message and exit code. Nothing is written.
 #[test]
 fn errors_name_the_flag_the_value_and_what_would_be_right() {
@@ -219,6 +260,9 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
     scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
     scratch.file("edges.txt", "0 0.1 0.05\n");
+    scratch.file("late.txt", "0.1 0.2\n");
+    scratch.file("trees.csv", "x,y,kind,size\n0.1,0.2,oak,1\n0.3,0.9,elm,2\n0.5,0.5,fir,3\n");
+    scratch.file("zero.csv", "x,y,size\n0.1,0.2,0\n0.3,0.9,0\n");
     scratch.file("words.txt", "0 0.1\nx\n");
     std::fs::create_dir(scratch.path("taken")).unwrap();
     scratch.file("taken/summary.json", "{}");
@@ -254,7 +298,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --r-max 0.6",
             2,
-            "--r-max 0.6: beyond half the shortest side (0.5) a ring does not fit into the torus and g would be under-counted; expected at most 0.5",
+            "--r-max 0.6: beyond half the shortest side (0.5) a ring does not fit into the torus and g would be under-counted; expected at most 0.5, or --beyond-half, which compares with the part that fits",
         ),
         (
             "analyze ok.csv --r-max 1 --window 0,1,0,1",
@@ -282,7 +326,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--box 1e-300,1: every side must be finite and between 1e-100 and 1e100; expected L1,L2[,L3]",
         ),
         ("analyze ok.csv --r-max -1", 2, "--r-max -1: expected a finite number above 0"),
-        ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf among --stats"),
+        ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf or k-function among --stats"),
         (
             "analyze ok.csv --stats pcf --max-frequency 3",
             2,
@@ -309,6 +353,85 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--max-frequency 2000,2000,2000: 64048012001 wave vectors need about 1908 GiB; at most 536870912 are supported",
         ),
+        (
+            "analyze ok.csv --r-max 0.8 --beyond-half",
+            2,
+            "--r-max 0.8: expected at most half the diagonal of the torus (0.7071067811865476): no two points are further apart",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --beyond-half",
+            2,
+            "--beyond-half (given): is about a torus; a window has its edge correction",
+        ),
+        (
+            "analyze ok.csv --stats k-function --beyond-half --r-max 0.6",
+            2,
+            "--beyond-half (given): K and L compare with whole balls, which fit up to r = 0.5; expected --stats pcf alone",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --correction isotropic --r-max 0.8",
+            2,
+            "--r-max 0.8: expected at most half the diagonal of the window (0.7071067811865476): beyond, some points see no circle",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --correction border --r-max 0.5",
+            2,
+            "--r-max 0.5: expected less than half the shortest side of the window (0.5): no point is further from the border",
+        ),
+        (
+            "analyze three.txt --window 0,1,0,1,0,1 --correction isotropic",
+            2,
+            "--correction isotropic: the part of a sphere inside a box is not computed; 3D has translation, border and none",
+        ),
+        (
+            "analyze trees.csv --window 0,1,0,1 --correction border --weight-column size",
+            2,
+            "--correction border: counts points, not weights; expected translation, isotropic or none",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --correction border --kernel box",
+            2,
+            "--correction border: is not for kernels; expected translation or isotropic",
+        ),
+        (
+            "analyze ok.csv --stats k-function --bin-scale log",
+            2,
+            "--bin-scale log: K counts all pairs closer than r: bins must start at 0, not at 0.0005",
+        ),
+        (
+            "analyze ok.csv --stats k-function --edges late.txt",
+            2,
+            "--edges late.txt: K counts all pairs closer than r: bins must start at 0, not at 0.1",
+        ),
+        ("analyze ok.csv --stats k-function --kernel box", 2, "--kernel box: needs pcf among --stats"),
+        (
+            "analyze trees.csv --stats spectrum --weight-column size",
+            2,
+            "--weight-column size: needs pcf or k-function among --stats",
+        ),
+        ("analyze trees.csv --stats k-function --class-column kind", 2, "--class-column kind: needs pcf among --stats"),
+        ("analyze trees.csv --class-column kind", 2, "--classes (none): expected two of the 3 classes: oak, elm, fir"),
+        (
+            "analyze trees.csv --class-column kind --classes oak,ash",
+            2,
+            "--classes oak,ash: no point is of class ash; there are oak, elm, fir",
+        ),
+        (
+            "analyze trees.csv --class-column kind --classes oak,oak",
+            2,
+            "--classes oak,oak: expected two different classes",
+        ),
+        (
+            "analyze trees.csv --class-column kind --classes oak",
+            2,
+            "--classes oak: expected two classes, as in oak,elm",
+        ),
+        (
+            "analyze trees.csv --class-column species",
+            1,
+            "trees.csv:1: --class-column species: no column of that name; there are x, y, kind, size",
+        ),
+        ("analyze zero.csv --weight-column 3", 2, "--weight-column 3: all weights are 0"),
         ("analyze ok.csv -n 5", 2, "-n 5: applies to --sampler NAME only, not to point files"),
         ("analyze ok.csv --param mu=3", 2, "--param mu=3: applies to --sampler NAME only, not to point files"),
         ("analyze ok.csv --device 99", 1, "--device 99:"),

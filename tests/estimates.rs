@@ -6,10 +6,10 @@ use common::*;
 use pairwave::accumulate::{PairCounts, PairHistogram, WavePower};
 use pairwave::compute::{Backend, ComputedBy};
 use pairwave::estimate::{
-    Bandwidth, ErrorSource, Kernel, KernelEstimate, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    SmoothingKernel,
+    Bandwidth, CrossCorrelation, CrossCounts, ErrorSource, KFunction, Kernel, KernelEstimate, Normalization,
+    PairCorrelation, PowerSpectrum, RadialSpectrum, SmoothingKernel,
 };
-use pairwave::plan::{Accuracy, BinScale, Correction, RadialBins, Rings, WaveGrid};
+use pairwave::plan::{Accuracy, BinScale, Correction, PairPlan, PairSettings, RadialBins, Rings, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 fn tag() -> ComputedBy {
@@ -260,4 +260,204 @@ fn a_kernel_that_reaches_past_half_the_box_is_undefined_there() {
     let sums = reference_counts(&plan, &e);
     let g = KernelEstimate::new(kernel, &[0.4, 0.46, 0.47, 0.5], &plan, &sums, Normalization::Pairs);
     assert_eq!(g.g.iter().map(Option::is_some).collect::<Vec<_>>(), [true, true, false, false]);
+}
+
+/// Asserts that deviations in standard errors look like standard errors.
+fn assert_standard(name: &str, deviations: &[f64]) {
+    let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / deviations.len() as f64;
+    let worst = deviations.iter().fold(0f64, |w, z| w.max(z.abs()));
+    println!("{name}: mean square {mean_square:.3} of {}, worst {worst:.2}", deviations.len());
+    assert!((0.5..1.6).contains(&mean_square) && worst < 6.0, "{name}: mean square {mean_square}, worst {worst}");
+}
+
+/// The measure of a ball.
+fn ball(r: f64, dim: usize) -> f64 {
+    [2.0 * r, std::f64::consts::PI * r * r, 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)][dim - 1]
+}
+
+/// Independent points in a window have g = 1 and the K of a ball, whatever the correction.
+#[test]
+fn independent_points_in_a_window() {
+    let n = 60;
+    for dim in 1..=3 {
+        let window = Domain::window(&[(-1.0, 1.0), (0.0, 1.0), (5.0, 6.5)][..dim]).unwrap();
+        let sets: Vec<_> = (0..80).map(|i| uniform(dim, n, 3000 + i)).collect();
+        let plain = ensemble_in(&window, &sets);
+        let mut rng = Rng(17);
+        let weights: Vec<f64> = (0..plain.total_points()).map(|_| 0.2 + rng.unit()).collect();
+        let weighted = plain.clone().with_weights(&weights);
+        for correction in [Correction::Translation, Correction::Isotropic, Correction::Border] {
+            if dim == 3 && correction == Correction::Isotropic {
+                continue;
+            }
+            let (r_max, share) = match correction {
+                // Lambda is n / |D| here, though a point sees n - 1 others.
+                Correction::Border => (0.35 * window.shortest_side(), (n as f64 - 1.0) / n as f64),
+                Correction::Isotropic => (0.9 * window.half_diagonal(), 1.0),
+                _ => (0.8 * window.shortest_side(), 1.0),
+            };
+            for (ensemble, masses) in [(&plain, false), (&weighted, true)] {
+                if masses && correction == Correction::Border {
+                    continue;
+                }
+                let settings = PairSettings { cumulative: true, masses, ..correction.into() };
+                let bins = RadialBins::linear(r_max, 25).unwrap();
+                let plan = PairPlan::new(&window, bins, settings, shape(ensemble)).unwrap();
+                let sums = reference_counts(&plan, ensemble);
+                let name = format!("{correction}, {dim}D, weights of points: {masses}");
+                let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
+                let known = (0..25).filter(|&b| g.count[b] > 200);
+                assert_standard(
+                    &format!("g, {name}"),
+                    &known.map(|b| (g.g[b] - share) / g.g_se[b]).collect::<Vec<_>>(),
+                );
+                let k = KFunction::new(&plan, &sums, Normalization::Pairs, n as f64).unwrap();
+                for b in (4..25).step_by(5) {
+                    let z = (k.k[b] - share * ball(k.r[b], dim)) / k.k_se[b];
+                    assert!(z.abs() < 4.0, "K, {name}: {} at {}, {z} standard errors off", k.k[b], k.r[b]);
+                    let z = (k.l[b] - k.r[b] * share.powf(1.0 / dim as f64)) / k.l_se[b].unwrap();
+                    assert!(z.abs() < 4.0, "L, {name}: {} at {}", k.l[b], k.r[b]);
+                }
+            }
+        }
+    }
+}
+
+/// Up to half the diagonal of a torus every pair is seen, and g of independent points is 1.
+#[test]
+fn independent_points_beyond_half_a_torus() {
+    for sides in [&[1.0, 1.0][..], &[2.0, 0.6], &[1.0; 3], &[1.0, 1.5, 0.7]] {
+        let torus = Domain::torus(sides).unwrap();
+        let sets: Vec<_> = (0..60).map(|i| uniform(sides.len(), 70, 8000 + i)).collect();
+        let ensemble = ensemble_in(&torus, &sets);
+        let settings = PairSettings { beyond_half: true, ..Correction::None.into() };
+        let bins = RadialBins::linear(torus.half_diagonal(), 24).unwrap();
+        let plan = PairPlan::new(&torus, bins, settings, shape(&ensemble)).unwrap();
+        let sums = reference_counts(&plan, &ensemble);
+        assert_eq!(sums.counts.iter().sum::<u64>(), 60 * 70 * 69, "no pair is further apart");
+        let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
+        let known = (0..24).filter(|&b| g.count[b] > 200);
+        assert_standard(&format!("torus {sides:?}"), &known.map(|b| (g.g[b] - 1.0) / g.g_se[b]).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn k_and_its_errors() {
+    let sets: Vec<_> = (0..7).map(|i| uniform(2, 50, i)).collect();
+    let e = ensemble(&sets);
+    let settings = PairSettings { cumulative: true, ..Correction::None.into() };
+    let plan = PairPlan::new(e.domain(), RadialBins::linear(0.5, 10).unwrap(), settings, shape(&e)).unwrap();
+    let k = KFunction::new(&plan, &reference_counts(&plan, &e), Normalization::Pairs, 50.0).unwrap();
+    assert_eq!(k.errors, ErrorSource::AcrossRealizations);
+    for b in 0..10 {
+        let each: Vec<f64> = (0..7)
+            .map(|i| {
+                reference_counts(&plan, &e.slice(i..i + 1)).counts[..=b].iter().sum::<u64>() as f64 / (50.0 * 49.0)
+            })
+            .collect();
+        let mean = each.iter().sum::<f64>() / 7.0;
+        let se = (each.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 42.0).sqrt();
+        assert!((k.k[b] - mean).abs() < 1e-12 && (k.k_se[b] - se).abs() < 1e-12, "K({}) = {}", k.r[b], k.k[b]);
+        assert!((k.neighbors[b] - 50.0 * mean).abs() < 1e-12, "lambda K");
+        assert!((k.l[b].powi(2) * std::f64::consts::PI - mean).abs() < 1e-12, "L = sqrt(K / pi)");
+    }
+    // One realization: unordered pairs are Poisson.
+    let one = KFunction::new(&plan, &reference_counts(&plan, &e.slice(0..1)), Normalization::Intensity, 50.0).unwrap();
+    let closer = reference_counts(&plan, &e.slice(0..1)).counts.iter().sum::<u64>() as f64;
+    assert_eq!(one.errors, ErrorSource::Theory);
+    assert!((one.k[9] - closer / 2500.0).abs() < 1e-12);
+    assert!((one.k_se[9] - (2.0 * closer).sqrt() / 2500.0).abs() < 1e-12);
+    let no_k = pair_plan(&e, RadialBins::linear(0.5, 10).unwrap(), Correction::None);
+    assert_eq!(KFunction::new(&no_k, &reference_counts(&no_k, &e), Normalization::Pairs, 50.0), None);
+}
+
+/// Pairs within two classes and between them, realization by realization.
+fn cross_counts(plan: &PairPlan, ensemble: &Ensemble) -> CrossCounts {
+    let [both, a, b] = [&[0, 1][..], &[0], &[1]].map(|classes| ensemble.of_classes(classes));
+    let mut between = PairCounts::new(tag(), plan);
+    for k in 0..ensemble.realizations() {
+        let one = |set: &Ensemble| reference_counts(plan, &set.slice(k..k + 1));
+        between.add_between(&one(&both), &one(&a), &one(&b));
+    }
+    CrossCounts { a: reference_counts(plan, &a), b: reference_counts(plan, &b), between }
+}
+
+/// g between two classes against a loop over the pairs of a point of each; a third class is left out.
+#[test]
+fn g_between_classes_is_its_definition() {
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let sets: Vec<_> = (0..6).map(|i| uniform(2, 60, 400 + i)).collect();
+    for (domain, correction) in [
+        (Domain::unit_torus(2), Correction::None),
+        (window.clone(), Correction::Translation),
+        (window.clone(), Correction::None),
+        (window, Correction::Border),
+    ] {
+        let classes: Vec<u32> = (0..360).map(|j| j % 3).collect();
+        let e = ensemble_in(&domain, &sets).with_classes(classes);
+        let plan = pair_plan(&e, RadialBins::linear(0.4, 4).unwrap(), correction);
+        let names = ["oak".to_string(), "elm".to_string()];
+        let cross = CrossCorrelation::new(names, &plan, &cross_counts(&plan, &e), Normalization::Pairs);
+        let sides = domain.sides();
+        for b in 0..4 {
+            let (lo, hi) = (plan.bins.edges()[b], plan.bins.edges()[b + 1]);
+            // Sums over realizations of weights from A to B and back, of pairs from A to B, of what is expected.
+            let (mut sum, mut count, mut norm) = (0.0, 0, 0.0);
+            let mut each = Vec::new();
+            for k in 0..6 {
+                let at: Vec<Vec<f64>> = (0..60).map(|j| e.position(k, j)).collect();
+                let deep =
+                    |j: usize| (0..2).map(|a| at[j][a].min(sides[a] - at[j][a])).fold(f64::INFINITY, f64::min) >= hi;
+                let (mut s, mut m) = (0.0, 0.0);
+                for i in (0..60).filter(|i| i % 3 < 2) {
+                    for j in (0..60).filter(|j| j % 3 == 1 - i % 3) {
+                        let (mut d2, mut weight) = (0.0, 1.0);
+                        for a in 0..2 {
+                            let mut d = (at[i][a] - at[j][a]).abs();
+                            if domain.is_torus() {
+                                d = d.min(sides[a] - d);
+                            } else if correction == Correction::Translation {
+                                weight *= sides[a] / (sides[a] - d);
+                            }
+                            d2 += d * d;
+                        }
+                        let seen = correction != Correction::Border || deep(i);
+                        m += f64::from(u8::from(seen));
+                        if (lo..hi).contains(&d2.sqrt()) {
+                            count += usize::from(i % 3 == 0);
+                            s += if seen { weight } else { 0.0 };
+                        }
+                    }
+                }
+                sum += s;
+                norm += m;
+                each.push((s, m));
+            }
+            let expected = norm * std::f64::consts::PI * (hi * hi - lo * lo) / domain.measure();
+            let g = &cross.between;
+            assert_eq!(g.count[b], count as u64, "{correction}, bin {b}");
+            assert!((g.g[b] - sum / expected).abs() < 1e-8, "{correction}, bin {b}: {} not {}", g.g[b], sum / expected);
+            let residuals: f64 = each.iter().map(|(s, m)| (s - sum / norm * m).powi(2)).sum();
+            let se = (6.0 / 5.0 * residuals).sqrt() / expected;
+            assert!((g.g_se[b] - se).abs() < 1e-4 * se, "{correction}, bin {b}: {} not {se}", g.g_se[b]);
+        }
+        let alone = reference_counts(&plan, &e.of_classes(&[1]));
+        assert_eq!(cross.b, PairCorrelation::new(&plan, &alone, Normalization::Pairs));
+    }
+}
+
+/// Equal weights are no weights.
+#[test]
+fn equal_weights_change_nothing() {
+    let e = ensemble(&[uniform(2, 80, 5), uniform(2, 70, 6)]);
+    let weighted = e.clone().with_weights(&[0.3; 150]);
+    let g = |e: &Ensemble, masses| {
+        let settings = PairSettings { masses, ..Correction::None.into() };
+        let plan = PairPlan::new(e.domain(), RadialBins::linear(0.5, 8).unwrap(), settings, shape(e)).unwrap();
+        PairCorrelation::new(&plan, &reference_counts(&plan, e), Normalization::Pairs)
+    };
+    let (plain, weighted) = (g(&e, false), g(&weighted, true));
+    for b in 0..8 {
+        assert!((plain.g[b] / weighted.g[b] - 1.0).abs() < 1e-8 && (plain.g_se[b] - weighted.g_se[b]).abs() < 1e-4);
+    }
 }

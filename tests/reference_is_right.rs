@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use pairwave::compute::reference::{isotropic_weight, weighted_pair};
-use pairwave::estimate::{Normalization, PairCorrelation, PowerSpectrum};
+use pairwave::estimate::{KFunction, Normalization, PairCorrelation, PowerSpectrum};
 use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
@@ -350,4 +350,28 @@ fn weighted_points_by_hand() {
     // A largest weight that is a power of two is exactly 1.
     let powers = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[0.25, 0.125, 1e-9]);
     assert_eq!(powers.masses(0).unwrap(), [one, half, 0]);
+}
+
+/// K of 71 trees in a window, by an independent program (spatstat), with each of its edge corrections.
+#[test]
+fn k_of_an_independent_program() {
+    let rows = |text: &str| -> Vec<Vec<f64>> {
+        text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect()
+    };
+    let trees = raw(2, rows(include_str!("data/swedishpines.csv")).concat());
+    let expected = rows(include_str!("data/swedishpines_k.csv"));
+    let window = Domain::window(&[(0.0, 96.0), (0.0, 100.0)]).unwrap();
+    let ensemble = Ensemble::from_raw(&[trees], &window, false, 0).unwrap();
+    let corrections = [Correction::Translation, Correction::Isotropic, Correction::Border, Correction::None];
+    for (column, correction) in corrections.into_iter().enumerate() {
+        let settings = PairSettings { cumulative: true, ..correction.into() };
+        let bins = RadialBins::linear(23.7036, 256).unwrap();
+        let plan = PairPlan::new(&window, bins, settings, shape(&ensemble)).unwrap();
+        let k = KFunction::new(&plan, &reference_counts(&plan, &ensemble), Normalization::Pairs, 71.0).unwrap();
+        for (row, at) in expected.iter().zip((15..256).step_by(16)) {
+            assert!((k.r[at] - row[0]).abs() < 1e-9, "{} against {}", k.r[at], row[0]);
+            let (found, expected) = (k.k[at], row[column + 1]);
+            assert!((found - expected).abs() <= 1e-9 * expected, "{correction} at {}: {found}, not {expected}", row[0]);
+        }
+    }
 }

@@ -13,13 +13,14 @@ use std::path::{Path, PathBuf};
 
 use common::*;
 use pairwave::Error;
+use pairwave::accumulate::PairCounts;
 use pairwave::analysis::{Analysis, ClosedForm};
 use pairwave::compute::{Backend, ComputedBy};
 use pairwave::estimate::{
-    Kernel, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
-    SmoothingKernel,
+    CrossCorrelation, CrossCounts, KFunction, Kernel, KernelEstimate, NeighborDistances, Normalization,
+    PairCorrelation, PowerSpectrum, RadialSpectrum, SmoothingKernel,
 };
-use pairwave::plan::{Accuracy, Correction, RadialBins, Rings, WaveGrid};
+use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, Rings, WaveGrid};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
 
@@ -42,6 +43,8 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         min_points: (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).min().unwrap() as u64,
         correction,
         pair_correlation: Some(PairCorrelation::new(&pair_plan, &counts, Normalization::Pairs)),
+        cross: None,
+        k_function: None,
         kernel: None,
         spectrum: Some(spectrum),
         grid_wanted: true,
@@ -202,6 +205,8 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     });
     scenes.push(("one point", a));
 
+    scenes.push(("two classes", with_classes(if large { 400 } else { 60 })));
+
     let many = if large { 30_000 } else { 20_001 };
     let mut a = analyze("sampler random, n 30000, K 1", &unit(2), &[uniform(2, 9, 1)], linear(0.5, 4), &[1, 1]);
     a.first = ensemble(&[uniform(2, many, 1)]);
@@ -223,6 +228,29 @@ fn zero(a: &mut Analysis) {
 
 fn small() -> Analysis {
     analyze("two small sets", &Domain::unit_torus(2), &[uniform(2, 9, 1), uniform(2, 7, 2)], bins(), &[3, 4])
+}
+
+/// Two classes of points with names that need escaping, and K, in a window.
+fn with_classes(n: usize) -> Analysis {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+    let sets = [uniform(2, n, 3), uniform(2, n, 4)];
+    let mut a = analyze("a & b <c>", &window, &sets, bins(), &[3, 4]);
+    let e = Ensemble::from_raw(&sets, &window, false, 0).unwrap();
+    let e = e.with_classes((0..2 * n as u32).map(|j| j % 2).collect());
+    let settings = PairSettings { cumulative: true, ..Correction::Translation.into() };
+    let plan = PairPlan::new(&window, bins(), settings, shape(&e)).unwrap();
+    let sums = reference_counts(&plan, &e);
+    a.k_function = KFunction::new(&plan, &sums, Normalization::Pairs, n as f64);
+    let plan = pair_plan(&e, bins(), Correction::Translation);
+    let [one, other] = [0, 1].map(|class| reference_counts(&plan, &e.of_classes(&[class])));
+    let mut between = PairCounts::new(one.computed_by.clone(), &plan);
+    for k in 0..2 {
+        let count = |classes: &[u32]| reference_counts(&plan, &e.of_classes(classes).slice(k..k + 1));
+        between.add_between(&count(&[0, 1]), &count(&[0]), &count(&[1]));
+    }
+    let counts = CrossCounts { a: one, b: other, between };
+    a.cross = Some(CrossCorrelation::new(["a<b".into(), "c & d".into()], &plan, &counts, Normalization::Pairs));
+    a
 }
 
 fn bins() -> RadialBins {
@@ -386,6 +414,41 @@ fn tables_read_back_as_the_same_numbers() {
     assert_eq!(c["anisotropy_db"][0], "");
     assert_eq!(c["anisotropy_db"][1].parse::<f64>().ok(), rings[1].anisotropy_db);
     assert!(floats(&c["anisotropy_reference_db"]).iter().all(|&db| db == -10.0 * 2f64.log10()));
+}
+
+#[test]
+fn k_and_two_classes_read_back() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = with_classes(60);
+    a.k_function.as_mut().unwrap().l_se[0] = None;
+    a.cross.as_mut().unwrap().a.g[0] = f64::NAN;
+    report::write(root.path(), &a, false).unwrap();
+    for file in ["k_function.csv", "k_function.svg", "pcf_cross.csv", "pcf_cross.svg"] {
+        assert!(listing(root.path()).contains(&file.to_string()), "{file}");
+    }
+    let (header, c) = columns(&root.path().join("k_function.csv"));
+    assert_eq!(header, ["r", "k", "k_se", "l", "l_se", "l_minus_r", "neighbors"]);
+    let k = a.k_function.as_ref().unwrap();
+    for (name, values) in [("r", &k.r), ("k", &k.k), ("k_se", &k.k_se), ("l", &k.l), ("neighbors", &k.neighbors)] {
+        assert_eq!(&floats(&c[name]), values, "{name}");
+    }
+    assert_eq!(c["l_se"][0], "");
+    assert_eq!(c["l_se"][5].parse::<f64>().ok(), k.l_se[5]);
+    assert_eq!(floats(&c["l_minus_r"])[5], k.l[5] - k.r[5]);
+    let (header, c) = columns(&root.path().join("pcf_cross.csv"));
+    let names = "r_lo,r,r_hi,count_aa,g_aa,g_aa_se,count_bb,g_bb,g_bb_se,count_ab,g_ab,g_ab_se";
+    assert_eq!(header.join(","), names);
+    let cross = a.cross.as_ref().unwrap();
+    assert_eq!(c["g_aa"][0], "");
+    assert_eq!(floats(&c["g_bb"]), cross.b.g);
+    assert_eq!(floats(&c["g_ab"]), cross.between.g);
+    assert_eq!(floats(&c["g_ab_se"]), cross.between.g_se);
+    assert_eq!(c["count_ab"].iter().map(|n| n.parse().unwrap()).collect::<Vec<u64>>(), cross.between.count);
+    let summary = json(root.path());
+    assert_eq!(summary["cross_correlation"]["classes"][0], "a<b");
+    assert_eq!(summary["k_function"]["correction"], "translation");
+    let page = fs::read_to_string(root.path().join("report.html")).unwrap();
+    assert!(page.contains("a&lt;b (<i>A</i>) and c &amp; d") && page.contains("Ripley"));
 }
 
 #[test]

@@ -158,12 +158,17 @@ impl Ratios {
     }
 
     fn add(&mut self, histogram: &PairHistogram, steps: Steps, sum: impl Fn(usize) -> u128) {
+        self.add_values(steps, sum, |bin| histogram.norms(bin));
+    }
+
+    /// Adds one realization: c and N of each bin.
+    fn add_values(&mut self, steps: Steps, sum: impl Fn(usize) -> u128, norm: impl Fn(usize) -> [u128; 2]) {
         let coarse = |n: u128| drop_bits(n, steps.norm_bits - steps.moment_bits[1]);
         for (bin, norms) in self.norms.iter_mut().enumerate() {
-            for (norm, n) in norms.iter_mut().zip(histogram.norms(bin)) {
-                norm.sum += n;
-                norm.moment += coarse(n);
-                norm.square = norm.square.saturating_add(coarse(n).saturating_mul(coarse(n)));
+            for (total, n) in norms.iter_mut().zip(norm(bin)) {
+                total.sum += n;
+                total.moment += coarse(n);
+                total.square = total.square.saturating_add(coarse(n).saturating_mul(coarse(n)));
             }
         }
         for bin in 0..self.sums.len() {
@@ -171,7 +176,7 @@ impl Ratios {
             self.sums[bin] += c;
             let c = drop_bits(c, steps.sum_bits - steps.moment_bits[0]);
             self.squares[bin] = self.squares[bin].saturating_add(c.saturating_mul(c));
-            let norms = histogram.norms(bin.min(self.norms.len() - 1));
+            let norms = norm(bin.min(self.norms.len() - 1));
             for (product, n) in self.products[bin].iter_mut().zip(norms) {
                 *product = product.saturating_add(c.saturating_mul(coarse(n)));
             }
@@ -233,6 +238,23 @@ impl PairCounts {
             let sums = histogram.cumulative();
             cumulative.add(histogram, self.steps, |bin| sums[bin]);
         }
+    }
+
+    /// Adds one realization of the pairs between two classes of points, in both orders: what is counted in `both` together
+    /// beyond each alone, compared with `N = (n_A + n_B)^2 - n_A^2 - n_B^2 = 2 n_A n_B` by either normalization (and so
+    /// with what stands for it: weights, or points seen from deep inside). All three hold the same single realization.
+    pub fn add_between(&mut self, both: &Self, a: &Self, b: &Self) {
+        self.computed_by = self.computed_by.merge(&both.computed_by);
+        self.realizations += 1;
+        for (bin, sum) in self.counts.iter_mut().enumerate() {
+            *sum += both.counts[bin] - a.counts[bin] - b.counts[bin];
+        }
+        let square = |of: &Self, bin: usize| of.bins.norm(bin)[1].sum;
+        self.bins.add_values(
+            self.steps,
+            |bin| both.bins.sums[bin] - a.bins.sums[bin] - b.bins.sums[bin],
+            |bin| [square(both, bin) - square(a, bin) - square(b, bin); 2],
+        );
     }
 
     /// Adds other realizations of the same process, counted in the same bins by the same method.

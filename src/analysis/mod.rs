@@ -1,6 +1,7 @@
 //! A request, carried out: points -> plan -> compute -> accumulate -> estimate, in batches. The command line and the
 //! viewer both call this and hold no arithmetic of their own.
 
+mod classes;
 mod plan;
 mod sums;
 
@@ -14,7 +15,8 @@ use crate::accumulate::PairCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::{Error, Result};
 use crate::estimate::{
-    KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum,
+    CrossCorrelation, KFunction, KernelEstimate, NeighborDistances, Normalization, PairCorrelation, PowerSpectrum,
+    RadialSpectrum,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, PairPlan};
 use crate::points::{Domain, Ensemble};
@@ -38,6 +40,10 @@ pub struct Analysis {
     pub correction: Correction,
     /// g per bin.
     pub pair_correlation: Option<PairCorrelation>,
+    /// g of two classes of points, and between them.
+    pub cross: Option<CrossCorrelation>,
+    /// K, L and the mean number of neighbours.
+    pub k_function: Option<KFunction>,
     /// g smoothed, at the bin centres.
     pub kernel: Option<KernelEstimate>,
     /// P on the grid.
@@ -136,11 +142,19 @@ pub fn run(
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
     }
     let empty = sums.pairs.as_ref().map_or(0, |p| p.counts.iter().filter(|&&c| c == 0).count());
-    if empty > 0 && shape.realizations >= 2 {
+    if empty > 0 && shape.realizations >= 2 && plan.pcf {
         warnings.push(format!(
             "no realization has a pair in {empty} of {} bins: g = 0 there, and its standard error across realizations is 0",
             plan.pairs.as_ref().map_or(0, |p| p.bins.len())
         ));
+    }
+    let unseen = sums.pairs.as_ref().map_or(0, |p| p.bins.norms.iter().filter(|n| n[0].sum == 0).count());
+    if unseen > 0 && unseen < sums.pairs.as_ref().map_or(0, |p| p.counts.len()) {
+        warnings.push(format!("no point is far enough from the border for {unseen} of the bins: they are left empty"));
+    }
+    if plan.pairs.as_ref().is_some_and(|p| p.masses) && (plan.waves.is_some() || plan.neighbors) {
+        let warning = "weights of points enter g and K only: P and distances to neighbours take every point alike";
+        warnings.push(warning.to_string());
     }
     if let Some(waves) = plan.waves.as_ref().filter(|_| request.max_frequency.is_none()) {
         let (reach, wanted) =
@@ -158,7 +172,14 @@ pub fn run(
     let both = |plan: &Option<PairPlan>, sums: &Option<PairCounts>| {
         Some(PairCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
     };
-    let pair_correlation = both(&plan.pairs, &sums.pairs);
+    let pair_correlation = if plan.pcf { both(&plan.pairs, &sums.pairs) } else { None };
+    let cross = plan.classes.as_ref().zip(sums.cross.as_ref()).map(|(classes, sums)| {
+        CrossCorrelation::new(classes.names.clone(), &classes.pairs, sums, request.normalization)
+    });
+    let k_function = match (&plan.pairs, &sums.pairs) {
+        (Some(plan), Some(sums)) => KFunction::new(plan, sums, request.normalization, shape.mean_points),
+        _ => None,
+    };
     let kernel = match (&plan.fine, &sums.fine, &pair_correlation) {
         (Some((kernel, plan)), Some(sums), Some(g)) => {
             Some(KernelEstimate::new(*kernel, &g.r, plan, sums, request.normalization))
@@ -187,6 +208,8 @@ pub fn run(
         min_points: points.0,
         correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
         pair_correlation,
+        cross,
+        k_function,
         kernel,
         spectrum,
         grid_wanted: plan.grid_wanted,

@@ -4,7 +4,7 @@ use super::{Clock, Plan};
 use crate::accumulate::{PairCounts, WavePower};
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
-use crate::estimate::{NearestNeighbors, neighbor_distances};
+use crate::estimate::{CrossCounts, NearestNeighbors, neighbor_distances};
 use crate::points::Ensemble;
 
 /// Raw sums over realizations; what the plan does not ask for is `None`.
@@ -12,6 +12,7 @@ use crate::points::Ensemble;
 pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
     pub(super) fine: Option<PairCounts>,
+    pub(super) cross: Option<CrossCounts>,
     pub(super) waves: Option<WavePower>,
     pub(super) neighbors: Option<NearestNeighbors>,
 }
@@ -42,6 +43,12 @@ impl Sums {
                 })?;
             }
         }
+        if let Some(classes) = &plan.classes {
+            stage("pair_counts (classes)", &mut || {
+                sums.cross = classes.count(batch, device, control)?;
+                Ok(())
+            })?;
+        }
         if let Some(plan) = &plan.waves {
             stage("wave_power", &mut || {
                 sums.waves = Some(device.wave_power(plan, batch, control)?);
@@ -61,6 +68,11 @@ impl Sums {
     pub(super) fn merge(&mut self, next: Self) -> Result<()> {
         merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
         merge(&mut self.fine, next.fine, |a, b| a.merge(&b))?;
+        merge(&mut self.cross, next.cross, |sum, next| {
+            sum.a.merge(&next.a)?;
+            sum.b.merge(&next.b)?;
+            sum.between.merge(&next.between)
+        })?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }
@@ -70,6 +82,7 @@ impl Sums {
         let tags = [
             self.pairs.as_ref().map(|s| &s.computed_by),
             self.fine.as_ref().map(|s| &s.computed_by),
+            self.cross.as_ref().map(|s| &s.between.computed_by),
             self.waves.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));

@@ -1,5 +1,7 @@
 //! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
 
+mod cross_correlation;
+mod k_function;
 mod neighbors;
 mod pair_correlation;
 mod pair_kernel;
@@ -7,6 +9,8 @@ mod power_spectrum;
 mod radial_spectrum;
 mod ratio;
 
+pub use cross_correlation::{CrossCorrelation, CrossCounts};
+pub use k_function::KFunction;
 pub use neighbors::*;
 pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::{Bandwidth, Divisor, Kernel, KernelEstimate, SmoothingKernel};

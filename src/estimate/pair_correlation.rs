@@ -43,19 +43,16 @@ pub struct PairCorrelation {
 impl PairCorrelation {
     /// The estimate. With no pair of points at all (every n < 2) g is 0/0 and reported as NaN; callers check first.
     pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization) -> Self {
-        let (bins, dim) = (&plan.bins, plan.domain.dim());
+        let bins = &plan.bins;
         let errors = ErrorSource::of(counts.realizations);
         let mut g = Vec::with_capacity(bins.len());
         let mut g_se = Vec::with_capacity(bins.len());
         for b in 0..bins.len() {
             let ratio = ratio(counts, &counts.bins, b, normalization);
             // Ordered pairs (or their weight) expected under complete randomness.
-            let expected = bins.shell_measure(b, dim) / plan.domain.measure() * ratio.norm;
-            let count = counts.counts[b] as f64;
+            let expected = plan.shell_measure(b) / plan.domain.measure() * ratio.norm;
             g.push(ratio.sum / expected);
-            let error =
-                ratio.error.unwrap_or_else(|| (ratio.sum / count.max(1.0)).max(1.0) * (2.0 * count.max(2.0)).sqrt());
-            g_se.push(error / expected);
+            g_se.push(ratio.standard_error(plan, counts, counts.counts[b]) / expected);
         }
         let edges = bins.edges();
         Self {

@@ -2,6 +2,7 @@
 
 use super::{ErrorSource, Normalization, ratio_standard_error};
 use crate::accumulate::{PairCounts, Ratios};
+use crate::plan::PairPlan;
 
 /// One bin of `Ratios`, divided.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +13,28 @@ pub(super) struct Ratio {
     pub(super) norm: f64,
     /// Standard error of `sum c / sum N`, times `sum N`, across realizations; `None` for one realization.
     pub(super) error: Option<f64>,
+}
+
+impl Ratio {
+    /// Standard error of `sum`: across realizations, or for one of them theory, as if unordered pairs were Poisson:
+    /// `w sqrt(2 count)` with `w` the mean weight of the `count` ordered pairs. No pair at all gets the error of one
+    /// unordered pair of mean weight.
+    pub(super) fn standard_error(&self, plan: &PairPlan, counts: &PairCounts, count: u64) -> f64 {
+        self.error.unwrap_or_else(|| {
+            if plan.border() {
+                return (2.0 * self.sum.max(2.0)).sqrt();
+            }
+            let mean_weight = if count > 0 { self.sum / count as f64 } else { mean_weight(counts) };
+            mean_weight * (2.0 * count.max(2) as f64).sqrt()
+        })
+    }
+}
+
+/// The mean weight of all pairs counted, 1 if there are none.
+fn mean_weight(counts: &PairCounts) -> f64 {
+    let pairs: u64 = counts.counts.iter().sum();
+    let sum: f64 = (0..counts.counts.len()).map(|bin| counts.sum(bin)).sum();
+    if pairs > 0 { sum / pairs as f64 } else { 1.0 }
 }
 
 /// The ratio of one bin.

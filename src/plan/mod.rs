@@ -6,6 +6,7 @@ mod cell_grid;
 mod pair_plan;
 mod pair_search;
 mod radial_bins;
+mod ring_measure;
 mod wave_grid;
 mod wave_plan;
 

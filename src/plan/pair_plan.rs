@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::ring_measure::ring_measure;
 use super::{Batch, BinFilter, EnsembleShape, PairSearch, RadialBins, SearchCosts, SearchEstimate};
 use crate::error::{Error, Result, number};
 use crate::points::Domain;
@@ -101,6 +102,17 @@ impl PairPlan {
     /// The default `r_max`: 8 closest-packing distances, at most half the shortest side.
     pub fn default_r_max(domain: &Domain, mean_points: f64) -> f64 {
         (8.0 * domain.closest_packing_distance(mean_points)).min(domain.shortest_side() / 2.0)
+    }
+
+    /// Exact measure of what of the shell of bin `k` can hold pairs: all of it, or on a torus beyond half the shortest side
+    /// the part inside the box.
+    pub fn shell_measure(&self, k: usize) -> f64 {
+        let (lo, hi) = (self.bins.edges()[k], self.bins.edges()[k + 1]);
+        if self.domain.is_torus() && hi > self.domain.shortest_side() / 2.0 {
+            ring_measure(lo, hi, self.domain.sides())
+        } else {
+            self.bins.shell_measure(k, self.domain.dim())
+        }
     }
 
     /// Whether weights are summed beside the counts.

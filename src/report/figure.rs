@@ -25,6 +25,7 @@ const BOTTOM: f64 = 532.0;
 /// The palette (Okabe and Ito 2008, told apart by colour-blind readers) and the greys around it.
 pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
 pub(super) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 pub(super) const GREY: RGBColor = RGBColor(125, 125, 125);
 const GRID: RGBColor = RGBColor(232, 232, 232);

@@ -11,6 +11,16 @@ pub fn headline(a: &Analysis) -> String {
         let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
         lines.push(format!("g(r): {} bins over {range}, {pairs} ordered pairs", g.g.len()));
     }
+    if let Some(cross) = &a.cross {
+        let pairs: u64 = cross.between.count.iter().sum();
+        let [a, b] = &cross.classes;
+        lines.push(format!("g of {a} and {b}: {pairs} pairs from {a} to {b}"));
+    }
+    if let Some(k) = &a.k_function
+        && let (Some(&r), Some(&neighbors)) = (k.r.last(), k.neighbors.last())
+    {
+        lines.push(format!("K(r): {} further points within {} of a point, on average", human(neighbors), human(r)));
+    }
     if let Some(radial) = &a.radial {
         let first = radial.rings.first().map_or(String::new(), |ring| {
             let error = Some(ring.p_se);

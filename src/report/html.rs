@@ -17,6 +17,8 @@ use crate::plan::Correction;
 #[derive(Default)]
 pub(super) struct Pictures {
     pub(super) pcf: Option<String>,
+    pub(super) cross: Option<String>,
+    pub(super) k_function: Option<String>,
     pub(super) spectrum_radial: Option<String>,
     pub(super) anisotropy: Option<String>,
     pub(super) spectrum: Option<SpectrumImage>,
@@ -241,6 +243,32 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
         figure(html, svg, &caption);
     }
+    if let (Some(svg), Some(cross)) = (&pictures.cross, &a.cross) {
+        let [a, b] = cross.classes.each_ref().map(|name| escape(name));
+        html.push_str("<h2>Two classes of points</h2>\n");
+        let caption = format!(
+            "<i>g</i> of the classes {a} (<i>A</i>) and {b} (<i>B</i>) alone, as above, and between them: \
+             <i>g<sub>AB</sub></i>(<i>r</i>) = |<i>D</i>| ∑<sub><i>k</i></sub> <i>c<sub>AB</sub></i> / \
+             (<i>v</i> ∑<sub><i>k</i></sub> <i>n<sub>A</sub> n<sub>B</sub></i>) with <i>c<sub>AB</sub></i> ordered pairs \
+             from <i>A</i> to <i>B</i>, both directions averaged; 1 means that the classes are independent of each other."
+        );
+        figure(html, svg, &caption);
+    }
+    if let (Some(svg), Some(_)) = (&pictures.k_function, &a.k_function) {
+        let (root, ball) = match a.domain.dim() {
+            1 => ("<i>K</i> / 2", "length of an interval"),
+            2 => ("√(<i>K</i> / π)", "area of a disk"),
+            _ => ("∛(3 <i>K</i> / 4π)", "volume of a ball"),
+        };
+        html.push_str("<h2>Ripley's <i>K</i> function</h2>\n");
+        let caption = format!(
+            "<i>L</i>(<i>r</i>) − <i>r</i> with <i>L</i> = {root}: <i>λK</i>(<i>r</i>) is the mean number of further points \
+             within <i>r</i> of a point. For independent points <i>K</i> is the {ball} of radius <i>r</i>, and \
+             <i>L</i> = <i>r</i>; above 0 points have more neighbours than that, below fewer. Values at different <i>r</i> \
+             share their pairs: they are correlated."
+        );
+        figure(html, svg, &caption);
+    }
     if pictures.spectrum_radial.is_some() || pictures.spectrum.is_some() {
         html.push_str("<h2>Power spectrum</h2>\n");
     }
@@ -291,6 +319,22 @@ fn errors(html: &mut String, a: &Analysis) {
             ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
         };
         rows.push(("<i>g</i>(<i>r</i>)".into(), text));
+    }
+    if let Some(cross) = &a.cross {
+        let text = match cross.between.errors {
+            ErrorSource::AcrossRealizations => across("each bin's <i>g</i>"),
+            ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
+        };
+        rows.push(("<i>g</i> of two classes".into(), text));
+    }
+    if let Some(k) = &a.k_function {
+        let text = match k.errors {
+            ErrorSource::AcrossRealizations => across("<i>K</i>"),
+            ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs, as for \
+                                    independent points; edge effects of a window add to it as <i>r</i> grows"
+                .into(),
+        };
+        rows.push(("<i>K</i>(<i>r</i>), <i>L</i>(<i>r</i>)".into(), text));
     }
     if a.kernel.is_some() {
         rows.push(("kernel estimate".into(), "theory: as if all pairs were independent (Poisson)".into()));

@@ -27,12 +27,16 @@ use crate::error::{Error, Result};
 const SUMMARY: &str = "summary.json";
 
 /// Every name this module may write. With `force`, only these are ever replaced or removed.
-const FILES: [&str; 11] = [
+const FILES: [&str; 15] = [
     "pcf.csv",
+    "pcf_cross.csv",
+    "k_function.csv",
     "spectrum_radial.csv",
     "spectrum.npy",
     "spectrum_se.npy",
     "pcf.svg",
+    "pcf_cross.svg",
+    "k_function.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
     "spectrum.png",
@@ -175,6 +179,8 @@ fn existing_part(dir: &Path) -> PathBuf {
 fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)> {
     let mut files = Written { dir, done: Vec::new() };
     files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
+    files.add("pcf_cross.csv", table::cross(analysis).map(|t| t.csv()));
+    files.add("k_function.csv", table::k_function(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
         files.grid("spectrum.npy", spectrum, &spectrum.p);
@@ -185,6 +191,8 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     }
     let mut pictures = html::Pictures {
         pcf: files.picture("pcf.svg", plots::pcf(analysis)),
+        cross: files.picture("pcf_cross.svg", plots::cross(analysis)),
+        k_function: files.picture("k_function.svg", plots::k_function(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
         ..Default::default()

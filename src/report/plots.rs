@@ -1,8 +1,8 @@
-//! `pcf.svg`, `spectrum_radial.svg`, `anisotropy.svg`: what is drawn in each, and over which range.
+//! `pcf.svg`, `pcf_cross.svg`, `k_function.svg`, `spectrum_radial.svg`, `anisotropy.svg`: what is drawn in each, and over which range.
 
 use std::ops::Range;
 
-use super::figure::{BLUE, Figure, GREY, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
+use super::figure::{BLUE, Figure, GREEN, GREY, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
 use crate::estimate::{ErrorSource, Normalization, SmoothingKernel};
@@ -105,6 +105,100 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
         y,
         log_x,
         log_y,
+        top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
+        layers,
+    };
+    Some(figure.svg())
+}
+
+/// g within two classes and between them, with the band of the last, and g = 1.
+pub(super) fn cross(analysis: &Analysis) -> Option<Svg> {
+    let cross = analysis.cross.as_ref()?;
+    let between = &cross.between;
+    let intervals: Vec<_> = between.r.iter().enumerate().map(|(b, &r)| (between.r_lo[b], r, between.r_hi[b])).collect();
+    let values: Vec<(f64, f64)> = between.g.iter().copied().zip(between.g_se.iter().copied()).collect();
+    let own: Vec<f64> =
+        [&cross.a, &cross.b].iter().filter_map(|g| extent(&settled(&g.g, &g.g_se))).map(|e| e.1).collect();
+    let top = top_of(&values, &own);
+    let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
+    let at = |g: &[f64]| runs(intervals.iter().zip(g).map(|(&x, &g)| (x, Some(g))));
+    let line = |name, color, g: &[f64]| Layer::Line { name, color, width: 1.6, dashed: false, runs: at(g) };
+    let layers = vec![
+        Layer::Level { name: "g = 1".into(), y: 1.0 },
+        Layer::Band {
+            name: "±1 s.e.".into(),
+            color: BLUE,
+            runs: band_runs(intervals.iter().zip(&values).map(|(&x, &(g, se))| (x, Some((g - se, g + se))))),
+        },
+        line(format!("{a} – {a}"), GREEN, &cross.a.g),
+        line(format!("{b} – {b}"), VERMILION, &cross.b.g),
+        line(format!("{a} – {b}"), BLUE, &between.g),
+    ];
+    let figure = Figure {
+        title: "Pair correlation functions of two classes",
+        subject: analysis.subject.clone(),
+        note: format!(
+            "{} · {}{}",
+            size(analysis),
+            error_note(between.errors, "Poisson counts"),
+            cut([&cross.a.g, &cross.b.g, &between.g].into_iter().flatten().copied(), top)
+        ),
+        x_label: "distance r (length units of the domain)".into(),
+        y_label: "g(r) (dimensionless)".into(),
+        x: 0f64.min(intervals.first()?.0)..intervals.last()?.2,
+        y: 0.0..top,
+        log_x: false,
+        log_y: false,
+        top: None,
+        layers,
+    };
+    Some(figure.svg())
+}
+
+/// Values known to better than themselves.
+fn settled(values: &[f64], errors: &[f64]) -> Vec<f64> {
+    values.iter().zip(errors).filter(|(v, se)| v.is_finite() && **se <= 0.3 * v.max(1.0)).map(|(v, _)| *v).collect()
+}
+
+/// L - r against r, with its band; 0 for complete spatial randomness.
+pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
+    let k = analysis.k_function.as_ref()?;
+    let intervals: Vec<_> =
+        k.r.iter().enumerate().map(|(b, &r)| (if b == 0 { 0.0 } else { k.r[b - 1] }, r, r)).collect();
+    let values: Vec<(f64, f64)> =
+        k.l.iter().zip(&k.r).zip(&k.l_se).map(|((l, r), se)| (l - r, se.unwrap_or(0.0))).collect();
+    let reach = values.iter().filter(|v| v.0.is_finite()).flat_map(|&(l, se)| [l - se, l + se]);
+    let (lo, hi) = extent(&reach.chain([0.0]).collect::<Vec<_>>())?;
+    let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
+    let defined = |&(l, se): &(f64, f64)| l.is_finite().then_some((l - se, l + se));
+    let layers = vec![
+        Layer::Level { name: "random: L = r".into(), y: 0.0 },
+        Layer::Band {
+            name: "±1 s.e.".into(),
+            color: BLUE,
+            runs: band_runs(intervals.iter().zip(&values).map(|(&x, v)| (x, defined(v)))),
+        },
+        Layer::Line {
+            name: "L(r) − r".into(),
+            color: BLUE,
+            width: 1.6,
+            dashed: false,
+            runs: runs(intervals.iter().zip(&values).map(|(&x, v)| (x, v.0.is_finite().then_some(v.0)))),
+        },
+    ];
+    let (d, which) = packing_symbol(analysis.domain.dim());
+    let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
+    let symbol = format!("{d}{}", sub(which));
+    let figure = Figure {
+        title: "L(r) − r, from Ripley's K function",
+        subject: analysis.subject.clone(),
+        note: format!("{} · {}", size(analysis), error_note(k.errors, "Poisson counts")),
+        x_label: "distance r (length units of the domain)".into(),
+        y_label: "L(r) − r (length units of the domain)".into(),
+        x: 0.0..intervals.last()?.2,
+        y: lo - pad..hi + pad,
+        log_x: false,
+        log_y: false,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
     };

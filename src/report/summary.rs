@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{ErrorSource, Kernel, Normalization};
-use crate::plan::PowerBound;
+use crate::plan::{Correction, PowerBound};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -28,6 +28,8 @@ struct Summary<'a> {
     backends: &'a [Backend],
     accuracy: Option<AccuracyOut>,
     pair_correlation: Option<PairCorrelationOut>,
+    cross_correlation: Option<CrossOut<'a>>,
+    k_function: Option<KFunctionOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
     neighbors: Option<Neighbors>,
@@ -66,8 +68,26 @@ struct PairCorrelationOut {
     bins: usize,
     r_max: Option<f64>,
     normalization: Normalization,
+    correction: Correction,
     errors: ErrorSource,
     kernel: Option<KernelOut>,
+}
+
+#[derive(Serialize)]
+struct CrossOut<'a> {
+    /// a and b of `pcf_cross.csv`.
+    classes: &'a [String; 2],
+    correction: Correction,
+    errors: ErrorSource,
+}
+
+#[derive(Serialize)]
+struct KFunctionOut {
+    bins: usize,
+    r_max: Option<f64>,
+    normalization: Normalization,
+    correction: Correction,
+    errors: ErrorSource,
 }
 
 #[derive(Serialize)]
@@ -160,8 +180,21 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             bins: g.g.len(),
             r_max: g.r_hi.last().copied(),
             normalization: g.normalization,
+            correction: a.correction,
             errors: g.errors,
             kernel: a.kernel.as_ref().map(|k| KernelOut { kernel: k.kernel, errors: "poisson-pairs" }),
+        }),
+        cross_correlation: a.cross.as_ref().map(|c| CrossOut {
+            classes: &c.classes,
+            correction: a.correction,
+            errors: c.between.errors,
+        }),
+        k_function: a.k_function.as_ref().map(|k| KFunctionOut {
+            bins: k.r.len(),
+            r_max: k.r.last().copied(),
+            normalization: k.normalization,
+            correction: a.correction,
+            errors: k.errors,
         }),
         spectrum: a.spectrum.as_ref().map(|s| SpectrumOut {
             max_frequency: s.grid.max_frequency()[..s.grid.dim()].to_vec(),

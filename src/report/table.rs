@@ -62,6 +62,42 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Table> {
     })
 }
 
+/// `k_function.csv`: at distances r, in the domain's length unit; K in units of its measure.
+pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
+    let k = analysis.k_function.as_ref()?;
+    Some(
+        Table::new()
+            .floats("r", k.r.iter().copied())
+            .floats("k", k.k.iter().copied())
+            .floats("k_se", k.k_se.iter().copied())
+            .floats("l", k.l.iter().copied())
+            .optional("l_se", k.l_se.iter().copied())
+            .floats("l_minus_r", k.l.iter().zip(&k.r).map(|(l, r)| l - r))
+            .floats("neighbors", k.neighbors.iter().copied()),
+    )
+}
+
+/// `pcf_cross.csv`: as `pcf.csv` for two classes a and b; `count_ab` are ordered pairs from a to b.
+pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
+    let cross = analysis.cross.as_ref()?;
+    let [a, b, ab] = [&cross.a, &cross.b, &cross.between];
+    let mut table = Table::new()
+        .floats("r_lo", ab.r_lo.iter().copied())
+        .floats("r", ab.r.iter().copied())
+        .floats("r_hi", ab.r_hi.iter().copied());
+    for (names, g) in [
+        (["count_aa", "g_aa", "g_aa_se"], a),
+        (["count_bb", "g_bb", "g_bb_se"], b),
+        (["count_ab", "g_ab", "g_ab_se"], ab),
+    ] {
+        table = table
+            .integers(names[0], g.count.iter().copied())
+            .floats(names[1], g.g.iter().copied())
+            .floats(names[2], g.g_se.iter().copied());
+    }
+    Some(table)
+}
+
 /// `spectrum_radial.csv`: nu in cycles per unit length, P dimensionless, anisotropy in dB.
 pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
     let radial = analysis.radial.as_ref()?;

@@ -7,6 +7,7 @@
 //! 4. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
+mod columns;
 mod edges;
 mod npy;
 mod npz;
@@ -21,6 +22,8 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 
+use columns::Marks;
+pub use columns::{Column, Columns, MarkedPoints};
 pub use edges::read_edges;
 pub use raw::{RawElement, RawLayout};
 
@@ -40,6 +43,12 @@ const KNOWN_EXTENSIONS: [&str; 12] =
 /// Reads every realization of every file, in order. An input is a file, a directory (its files in natural order,
 /// hidden files and subdirectories left out), a pattern with `*`, `?` or `[...]`, or `-` for standard input.
 pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoints>> {
+    let marked = read_marked(inputs, options, &Columns::default())?;
+    Ok(marked.into_iter().map(|set| set.points).collect())
+}
+
+/// The same, with the columns that hold no coordinates.
+pub fn read_marked(inputs: &[PathBuf], options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let form = "expected files, a directory, a pattern such as 'set_*.npy', or - for standard input";
     if inputs.is_empty() {
         return Err(Error::setting("FILES", "(none)", form));
@@ -47,12 +56,12 @@ pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoin
     if inputs.iter().filter(|p| is_stdin(p)).count() > 1 {
         return Err(Error::setting("FILES", "- -", "standard input can be read only once"));
     }
-    let mut batch: Vec<RawPoints> = Vec::new();
+    let mut batch: Vec<MarkedPoints> = Vec::new();
     for input in inputs {
         for path in expand(input, options)? {
-            let sets = read_file(&path, options)?;
+            let sets = read_file(&path, options, columns)?;
             for set in &sets {
-                check_dim(set, batch.first().or(sets.first()), options)?;
+                check_dim(&set.points, batch.first().or(sets.first()).map(|first| &first.points), options)?;
             }
             batch.extend(sets);
         }
@@ -176,7 +185,7 @@ fn natural_key(name: &str) -> (Vec<(String, usize, String)>, String) {
 }
 
 /// Every realization of one file, at least one.
-fn read_file(path: &Path, options: &ReadOptions) -> Result<Vec<RawPoints>> {
+fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let (name, bytes) = if is_stdin(path) {
         let mut bytes = Vec::new();
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| Error::file("standard input", e))?;
@@ -184,40 +193,52 @@ fn read_file(path: &Path, options: &ReadOptions) -> Result<Vec<RawPoints>> {
     } else {
         (path.display().to_string(), fs::read(path).map_err(|e| Error::file(path, e))?)
     };
-    read_bytes(&name, &extension(path), &bytes, options)
+    read_bytes(&name, &extension(path), &bytes, options, columns)
 }
 
-fn read_bytes(name: &str, extension: &str, bytes: &[u8], options: &ReadOptions) -> Result<Vec<RawPoints>> {
+fn read_bytes(
+    name: &str,
+    extension: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    columns: &Columns,
+) -> Result<Vec<MarkedPoints>> {
     if bytes.is_empty() {
         return Err(Error::input(name, "the file is empty"));
     }
     if let Some(layout) = options.raw {
-        return raw::read(name, bytes, layout);
+        return raw::read(name, bytes, layout, columns);
     }
     if bytes.starts_with(npy::MAGIC) {
-        return Ok(numbered(name, npy::read(name, bytes)?));
+        return numbered(name, npy::read(name, bytes, columns)?, columns);
     }
     if npz::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
-        return npz::read(name, bytes);
+        return npz::read(name, bytes, columns);
     }
     if bytes.starts_with(&utk::MAGIC) {
-        return Ok(numbered(name, utk::read(name, bytes)?));
+        if columns.count() > 0 {
+            return Err(Error::input(
+                name,
+                "a UTK .bin holds coordinates only; weights and classes need another format",
+            ));
+        }
+        return numbered(name, utk::read(name, bytes)?, columns);
     }
     if text::is_utf16(bytes) {
         return Err(Error::input(name, "text in UTF-16; save it as UTF-8"));
     }
     if text::is_text(bytes) {
-        return text::read(name, bytes, options.dim);
+        return text::read(name, bytes, options.dim, columns);
     }
     let element = match extension {
-        "rps" => return raw::read(name, bytes, RawLayout::RPS),
+        "rps" => return raw::read(name, bytes, RawLayout::RPS, columns),
         "f32" => RawElement::F32,
         "f64" => RawElement::F64,
         _ if KNOWN_EXTENSIONS.contains(&extension) || !raw::could_be_rps(bytes) => return Err(unknown(name, bytes)),
-        _ => return raw::read(name, bytes, RawLayout::RPS),
+        _ => return raw::read(name, bytes, RawLayout::RPS, columns),
     };
     match options.dim {
-        Some(dim) => raw::read(name, bytes, RawLayout::new(element, dim)?),
+        Some(dim) => raw::read(name, bytes, RawLayout::new(element, dim + columns.count())?, columns),
         None => {
             let reason = format!("raw numbers do not say how many make a point; give --raw {extension}x2 (or x1, x3)");
             Err(Error::input(name, reason))
@@ -233,17 +254,20 @@ fn unknown(name: &str, bytes: &[u8]) -> Error {
     Error::input(name, reason)
 }
 
-/// Several arrays of `n * dim` numbers: what the binary readers deliver.
+/// Several arrays of `n * width` numbers: what the binary readers deliver.
 struct Sets {
-    dim: usize,
+    width: usize,
     sets: Vec<Vec<f64>>,
 }
 
-/// One set is called by its file; several are numbered from 0.
-fn numbered(name: &str, Sets { dim, sets }: Sets) -> Vec<RawPoints> {
+/// One set is called by its file; several are numbered from 0. Binary files name no columns.
+fn numbered(name: &str, Sets { width, sets }: Sets, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+    let marks = columns.find(width, &[]).map_err(|reason| Error::input(name, reason))?;
     let single = sets.len() == 1;
     let source = |k: usize| if single { name.to_owned() } else { format!("{name}, realization {k}") };
-    let set = |(k, coordinates)| RawPoints { dim, coordinates, source: source(k), lines: Vec::new() };
+    let set = |(k, coordinates)| {
+        MarkedPoints::split(RawPoints { dim: width, coordinates, source: source(k), lines: Vec::new() }, marks)
+    };
     sets.into_iter().enumerate().map(set).collect()
 }
 

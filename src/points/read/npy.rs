@@ -3,7 +3,7 @@
 //! The dictionary is read here rather than by a library because its shape decides how much is allocated and because
 //! every message names what was found; the general parsers recurse on hostile nesting and multiply shapes unchecked.
 
-use super::{Element, Sets, check_length};
+use super::{Columns, Element, Sets, check_length, plural};
 use crate::error::{Error, Result};
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -16,12 +16,12 @@ struct Header<'a> {
     shape: Vec<u64>,
 }
 
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Sets> {
+pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> {
     let fail = |reason: String| Error::input(name, reason);
     let (text, data) = split(bytes).map_err(fail)?;
     let Header { dtype, element, big_endian, fortran, shape } = parse(text).map_err(fail)?;
     let shown = show_shape(&shape);
-    let (k, n, d) = sizes(&shape).map_err(fail)?;
+    let (k, n, d) = sizes(&shape, columns.count()).map_err(fail)?;
     let count = shape.iter().try_fold(1, |product: u64, &side| product.checked_mul(side));
     check_length(name, &format!("shape {shown} of {dtype}"), count, element, data)?;
     if k == 0 || (n == 0 && k > 1) {
@@ -38,7 +38,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Sets> {
     } else {
         flat.chunks_exact(n * d).map(<[f64]>::to_vec).collect()
     };
-    Ok(Sets { dim: d, sets })
+    Ok(Sets { width: d, sets })
 }
 
 /// Header text and data.
@@ -129,8 +129,8 @@ fn element(dtype: &str) -> Result<(Element, bool), String> {
     Ok((element, big_endian))
 }
 
-/// (K, n, d) of a shape.
-fn sizes(shape: &[u64]) -> Result<(u64, u64, u64), String> {
+/// (K, n, d) of a shape, `marks` of the d columns being no coordinates.
+fn sizes(shape: &[u64], marks: usize) -> Result<(u64, u64, u64), String> {
     let (k, n, d) = match *shape {
         [n] => (1, n, 1),
         [n, d] => (1, n, d),
@@ -140,8 +140,13 @@ fn sizes(shape: &[u64]) -> Result<(u64, u64, u64), String> {
             return Err(format!("shape {}; {reason}", show_shape(shape)));
         }
     };
-    if (1..=3).contains(&d) {
+    let marks = marks as u64;
+    if (1 + marks..=3 + marks).contains(&d) {
         return Ok((k, n, d));
+    }
+    if marks > 0 {
+        let reason = format!("expected {} to {} columns: coordinates, and those the flags name", 1 + marks, 3 + marks);
+        return Err(format!("shape {} has {}; {reason}", show_shape(shape), plural(d, "column")));
     }
     let hint = if (1..=3).contains(&n) && shape.len() > 1 { "; it seems to be transposed" } else { "" };
     Err(format!(

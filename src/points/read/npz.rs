@@ -3,14 +3,13 @@
 
 use std::io::{Cursor, Read};
 
-use super::{natural_key, npy};
+use super::{Columns, MarkedPoints, natural_key, npy};
 use crate::error::{Error, Result};
-use crate::points::RawPoints;
 
 /// The first entry of an archive, and the end of an empty one.
 pub(super) const MAGICS: [&[u8]; 2] = [b"PK\x03\x04", b"PK\x05\x06"];
 
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Vec<RawPoints>> {
+pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let damaged = |place: &str, e: &dyn std::fmt::Display| Error::input(place, format!("damaged zip archive: {e}"));
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(name, &e))?;
     let names: Result<Vec<String>, _> = archive.file_names().map(|entry| entry.map(|e| e.into_owned())).collect();
@@ -34,7 +33,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Vec<RawPoints>> {
         if !content.starts_with(npy::MAGIC) {
             return Err(Error::input(place, "not a .npy array"));
         }
-        sets.extend(super::numbered(&place, npy::read(&place, &content)?));
+        sets.extend(super::numbered(&place, npy::read(&place, &content, columns)?, columns)?);
     }
     Ok(sets)
 }

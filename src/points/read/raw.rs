@@ -4,9 +4,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Element, Sets, numbered, plural};
+use super::{Columns, Element, MarkedPoints, Sets, numbered, plural};
 use crate::error::{Error, Result};
-use crate::points::RawPoints;
 
 /// The number type of a raw file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,21 +16,24 @@ pub enum RawElement {
     F64,
 }
 
-/// `--raw f32x2`: element type and coordinates per point.
+/// `--raw f32x2`: element type and numbers per point: its coordinates, and its weight or class where flags say so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RawLayout {
     element: RawElement,
-    dim: usize,
+    width: usize,
 }
+
+/// Three coordinates, a weight and a class.
+const WIDEST: usize = 5;
 
 impl RawLayout {
     /// PSA's `.rps`.
-    pub const RPS: Self = Self { element: RawElement::F32, dim: 2 };
+    pub const RPS: Self = Self { element: RawElement::F32, width: 2 };
 
-    /// `dim` coordinates of type `element` per point, 1 to 3.
-    pub fn new(element: RawElement, dim: usize) -> Result<Self> {
-        let layout = Self { element, dim };
-        if (1..=3).contains(&dim) { Ok(layout) } else { Err(wrong(&layout.to_string())) }
+    /// `width` numbers of type `element` per point.
+    pub fn new(element: RawElement, width: usize) -> Result<Self> {
+        let layout = Self { element, width };
+        if (1..=WIDEST).contains(&width) { Ok(layout) } else { Err(wrong(&layout.to_string())) }
     }
 
     /// The number type.
@@ -39,9 +41,9 @@ impl RawLayout {
         self.element
     }
 
-    /// Coordinates per point.
-    pub fn dim(&self) -> usize {
-        self.dim
+    /// Numbers per point.
+    pub fn width(&self) -> usize {
+        self.width
     }
 }
 
@@ -51,7 +53,7 @@ impl fmt::Display for RawLayout {
             RawElement::F32 => "f32",
             RawElement::F64 => "f64",
         };
-        write!(f, "{element}x{}", self.dim)
+        write!(f, "{element}x{}", self.width)
     }
 }
 
@@ -66,7 +68,7 @@ impl FromStr for RawLayout {
             _ => return Err(wrong(text)),
         };
         match dim {
-            "1" | "2" | "3" => Self::new(element, usize::from(dim.as_bytes()[0] - b'0')),
+            "1" | "2" | "3" | "4" | "5" => Self::new(element, usize::from(dim.as_bytes()[0] - b'0')),
             _ => Err(wrong(text)),
         }
     }
@@ -76,12 +78,15 @@ fn wrong(text: &str) -> Error {
     Error::setting("--raw", text, "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)")
 }
 
-pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout) -> Result<Vec<RawPoints>> {
+pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+    if !(1..=3).contains(&(layout.width.saturating_sub(columns.count()))) {
+        return Err(wrong(&layout.to_string()));
+    }
     let element = match layout.element {
         RawElement::F32 => Element::F32,
         RawElement::F64 => Element::F64,
     };
-    let point = element.bytes() * layout.dim;
+    let point = element.bytes() * layout.width;
     let left_over = bytes.len() % point;
     if left_over != 0 {
         let reason = format!(
@@ -90,7 +95,7 @@ pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout) -> Result<Vec<Ra
         );
         return Err(Error::input(name, reason));
     }
-    Ok(numbered(name, Sets { dim: layout.dim, sets: vec![element.decode(bytes, false)] }))
+    numbered(name, Sets { width: layout.width, sets: vec![element.decode(bytes, false)] }, columns)
 }
 
 /// Whether `bytes` are pairs of fractions, as in `.rps`. An f64 in [2^-7, 1) read as two f32 gives one at or above 1,

@@ -9,7 +9,8 @@
 
 use std::ops::Range;
 
-use super::plural;
+use super::columns::check_weight;
+use super::{Columns, MarkedPoints, Marks, plural};
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 
@@ -39,8 +40,8 @@ pub(super) fn is_utf16(bytes: &[u8]) -> bool {
 }
 
 /// Every realization in the text `bytes` of file `name`. `dim` tells a lone leading integer from a point in 1-D.
-pub(super) fn read(name: &str, bytes: &[u8], dim: Option<usize>) -> Result<Vec<RawPoints>> {
-    let mut parser = Parser::new(name, dim);
+pub(super) fn read(name: &str, bytes: &[u8], dim: Option<usize>, marks: &Columns) -> Result<Vec<MarkedPoints>> {
+    let mut parser = Parser::new(name, dim, marks);
     for (number, line) in (1..).zip(Lines(bytes.strip_prefix(UTF8_MARK).unwrap_or(bytes))) {
         parser.line(number, line)?;
     }
@@ -71,6 +72,8 @@ struct Layout {
     width: usize,
     /// Which fields are x, y, z.
     columns: Vec<usize>,
+    /// Which are the weight and the class.
+    marks: Marks,
     /// `None`: any separator. Otherwise the one of the header, because other columns may hold blanks or nothing.
     delimiter: Option<u8>,
     /// The line it was learned from.
@@ -87,13 +90,17 @@ struct Announced {
 struct Parser<'a> {
     name: &'a str,
     dim: Option<usize>,
-    sets: Vec<RawPoints>,
+    /// Which columns are no coordinates.
+    marks: &'a Columns,
+    sets: Vec<MarkedPoints>,
     layout: Option<Layout>,
     /// The last comment line, which may name the columns (`# id x y`).
     comment: Vec<u8>,
     fields: Vec<Range<usize>>,
     // The set being read:
     coordinates: Vec<f64>,
+    weights: Vec<f64>,
+    labels: Vec<String>,
     lines: Vec<u64>,
     announced: Option<Announced>,
     /// A lone integer whose meaning (a count, or a point in 1-D) the next line decides.
@@ -102,15 +109,18 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn new(name: &'a str, dim: Option<usize>) -> Self {
+    fn new(name: &'a str, dim: Option<usize>, marks: &'a Columns) -> Self {
         Self {
             name,
             dim,
+            marks,
             sets: Vec::new(),
             layout: None,
             comment: Vec::new(),
             fields: Vec::new(),
             coordinates: Vec::new(),
+            weights: Vec::new(),
+            labels: Vec::new(),
             lines: Vec::new(),
             announced: None,
             undecided: None,
@@ -187,24 +197,40 @@ impl<'a> Parser<'a> {
             Err(twice) => return self.fail(line, format!("two columns are named {twice}")),
         };
         let width = names.len();
-        let only_coordinates = columns.is_empty() || columns.len() == width;
-        if columns.is_empty() && width > 3 {
+        let marks = match self.marks.find(width, &names) {
+            Ok(marks) => marks,
+            Err(reason) => return self.fail(line, reason),
+        };
+        if let Some(twice) = columns.iter().find(|&&k| marks.contain(k)) {
+            return self.fail(line, format!("column {} is a coordinate, not a weight or a class", twice + 1));
+        }
+        let only_coordinates = (columns.is_empty() && self.marks.count() == 0) || columns.len() == width;
+        if columns.is_empty() && width > 3 + self.marks.count() {
             let reason = format!("{width} columns, none named x; expected columns named x, y[, z], or 1 to 3 columns");
             return self.fail(line, format!("{reason}, in {}", shown(content)));
         }
         if columns.is_empty()
-            && let Some(label) = names.iter().find(|n| is_label(n))
+            && let Some((_, label)) = names.iter().enumerate().find(|&(k, n)| is_label(n) && !marks.contain(k))
         {
             let reason = format!("a column named {} and none named x; expected columns named x, y[, z]", shown(label));
             return self.fail(line, reason);
         }
-        let columns = if columns.is_empty() { (0..width).collect() } else { columns };
+        let columns = if columns.is_empty() { self.coordinates_beside(width, marks, line)? } else { columns };
         if let Some(known) = self.layout.as_ref().filter(|l| l.width != width || l.columns != columns) {
             return self.fail(line, format!("this header differs from the columns of line {}", known.line));
         }
         let delimiter = delimiter.filter(|_| !only_coordinates);
-        self.layout = Some(Layout { width, columns, delimiter, line });
+        self.layout = Some(Layout { width, columns, marks, delimiter, line });
         Ok(())
+    }
+
+    /// All columns of `width` that are no marks: the coordinates where no header names them.
+    fn coordinates_beside(&self, width: usize, marks: Marks, line: u64) -> Result<Vec<usize>> {
+        let columns: Vec<usize> = (0..width).filter(|&k| !marks.contain(k)).collect();
+        if columns.is_empty() {
+            return self.fail(line, "no column is left for coordinates");
+        }
+        Ok(columns)
     }
 
     fn point(&mut self, line: u64, content: &[u8]) -> Result<()> {
@@ -235,6 +261,21 @@ impl<'a> Parser<'a> {
                 Some(x) if x.is_finite() => self.coordinates.push(x),
                 _ => return self.fail(line, self.not_a_number(field, column)),
             }
+        }
+        if let Some(column) = layout.marks.weight {
+            let field = unquoted(&content[self.fields[column].clone()]);
+            let Some(weight) = number(field) else { return self.fail(line, self.not_a_number(field, column)) };
+            if let Err(reason) = check_weight(weight) {
+                return self.fail(line, reason);
+            }
+            self.weights.push(weight);
+        }
+        if let Some(column) = layout.marks.class {
+            let field = unquoted(&content[self.fields[column].clone()]);
+            if field.is_empty() {
+                return self.fail(line, format!("no class in column {}", column + 1));
+            }
+            self.labels.push(String::from_utf8_lossy(field).into_owned());
         }
         self.lines.push(line);
         Ok(())
@@ -267,9 +308,14 @@ impl<'a> Parser<'a> {
         let mut fields = Vec::new();
         split_loosely(&self.comment, &mut fields);
         let names: Vec<&[u8]> = fields.iter().map(|f| unquoted(&self.comment[f.clone()])).collect();
+        let names = if names.len() == width { names } else { Vec::new() };
+        let marks = match self.marks.find(width, &names) {
+            Ok(marks) => marks,
+            Err(reason) => return self.fail(line, reason),
+        };
         let columns = match named_columns(&names) {
-            Ok(columns) if names.len() == width && !columns.is_empty() => columns,
-            _ => (0..width).collect(),
+            Ok(columns) if !columns.is_empty() && !columns.iter().any(|&k| marks.contain(k)) => columns,
+            _ => self.coordinates_beside(width, marks, line)?,
         };
         if columns.len() > 3 {
             // Text in the first line is the likelier mistake.
@@ -283,7 +329,7 @@ impl<'a> Parser<'a> {
             };
             return self.fail(line, reason);
         }
-        Ok(Layout { width, columns, delimiter: None, line })
+        Ok(Layout { width, columns, marks, delimiter: None, line })
     }
 
     fn end_set(&mut self) -> Result<()> {
@@ -299,12 +345,16 @@ impl<'a> Parser<'a> {
             let dim = self.layout.as_ref().map_or(1, |l| l.columns.len());
             let coordinates = std::mem::take(&mut self.coordinates);
             let lines = std::mem::take(&mut self.lines);
-            self.sets.push(RawPoints { dim, coordinates, source: self.name.to_owned(), lines });
+            self.sets.push(MarkedPoints {
+                points: RawPoints { dim, coordinates, source: self.name.to_owned(), lines },
+                weights: std::mem::take(&mut self.weights),
+                labels: std::mem::take(&mut self.labels),
+            });
         }
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Vec<RawPoints>> {
+    fn finish(mut self) -> Result<Vec<MarkedPoints>> {
         let header = self.header_seen && self.lines.is_empty();
         self.end_set()?;
         if self.sets.is_empty() {
@@ -313,7 +363,7 @@ impl<'a> Parser<'a> {
         }
         if self.sets.len() > 1 {
             for (k, set) in self.sets.iter_mut().enumerate() {
-                set.source = format!("{}, realization {k}", self.name);
+                set.points.source = format!("{}, realization {k}", self.name);
             }
         }
         Ok(self.sets)

@@ -50,5 +50,5 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Sets> {
         );
         return Err(Error::input(name, reason));
     }
-    Ok(Sets { dim: d as usize, sets: sets.iter().map(|set| element.decode(set, false)).collect() })
+    Ok(Sets { width: d as usize, sets: sets.iter().map(|set| element.decode(set, false)).collect() })
 }

@@ -1,0 +1,84 @@
+//! Two classes of points, and the pairs between them.
+
+use std::fmt;
+
+use crate::accumulate::PairCounts;
+use crate::compute::{Control, WithFallback};
+use crate::error::{Error, Result};
+use crate::estimate::CrossCounts;
+use crate::plan::PairPlan;
+use crate::points::Ensemble;
+use crate::request::Request;
+
+/// The two classes whose g is wanted.
+#[derive(Debug, Clone)]
+pub(super) struct Classes {
+    pub(super) names: [String; 2],
+    numbers: [u32; 2],
+    pub(super) pairs: PairPlan,
+}
+
+impl Classes {
+    /// Finds the classes asked for among `names`.
+    pub(super) fn new(request: &Request, names: &[String], pairs: &PairPlan) -> Result<Self> {
+        const SHOWN: usize = 20;
+        let listed = || {
+            let more = if names.len() > SHOWN { format!(" and {} more", names.len() - SHOWN) } else { String::new() };
+            format!("{}{more}", names[..names.len().min(SHOWN)].join(", "))
+        };
+        let number = |name: &str| names.iter().position(|n| n == name).map(|k| k as u32);
+        let typed = request.classes.as_ref().map_or("(none)".into(), |c| c.join(","));
+        let fail = |reason: String| Err(Error::setting("--classes", &typed, reason));
+        let numbers = match (request.classes.as_deref(), names) {
+            (None, [_, _]) => [0, 1],
+            (None, _) => return fail(format!("expected two of the {} classes: {}", names.len(), listed())),
+            (Some([a, b]), _) if a == b => return fail("expected two different classes".into()),
+            (Some([a, b]), _) => match (number(a), number(b)) {
+                (Some(a), Some(b)) => [a, b],
+                (None, _) => return fail(format!("no point is of class {a}; there are {}", listed())),
+                (_, None) => return fail(format!("no point is of class {b}; there are {}", listed())),
+            },
+            (Some(_), _) => return fail("expected two classes, as in oak,elm".into()),
+        };
+        let names = numbers.map(|k| names[k as usize].clone());
+        Ok(Self { names, numbers, pairs: PairPlan { cumulative: false, ..pairs.clone() } })
+    }
+
+    /// Counts within each class and within both together, one realization after the other: their differences are the
+    /// pairs between them, whatever the backend and the correction.
+    pub(super) fn count(
+        &self,
+        batch: &Ensemble,
+        device: &mut WithFallback<'_>,
+        control: &Control,
+    ) -> Result<Option<CrossCounts>> {
+        let [a, b] = self.numbers;
+        let sets = [vec![a, b], vec![a], vec![b]].map(|classes| batch.of_classes(&classes));
+        let mut sums: Option<CrossCounts> = None;
+        for k in 0..batch.realizations() {
+            let mut count = |set: &Ensemble| device.pair_counts(&self.pairs, &set.slice(k..k + 1), control);
+            let (both, a, b) = (count(&sets[0])?, count(&sets[1])?, count(&sets[2])?);
+            let between = PairCounts::new(both.computed_by.clone(), &self.pairs);
+            let sums = match &mut sums {
+                Some(sums) => {
+                    sums.a.merge(&a)?;
+                    sums.b.merge(&b)?;
+                    sums
+                }
+                none => none.insert(CrossCounts { a: a.clone(), b: b.clone(), between }),
+            };
+            sums.between.add_between(&both, &a, &b);
+        }
+        Ok(sums)
+    }
+}
+
+impl fmt::Display for Classes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = &self.names;
+        writeln!(
+            f,
+            "classes {a} and {b}: pairs within each and within both together, their difference lies between them"
+        )
+    }
+}

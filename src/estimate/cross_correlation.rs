@@ -1,0 +1,41 @@
+//! Pair counts of two classes of points -> g within each and between them.
+
+use super::{Normalization, PairCorrelation};
+use crate::accumulate::PairCounts;
+use crate::plan::PairPlan;
+
+/// Raw sums of two classes A and B: pairs within A, within B, and between them in both orders.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrossCounts {
+    /// Ordered pairs of points of A.
+    pub a: PairCounts,
+    /// Ordered pairs of points of B.
+    pub b: PairCounts,
+    /// Pairs of a point of each, from A to B and from B to A.
+    pub between: PairCounts,
+}
+
+/// `g_AB(r) = |D| sum_k c_AB / (v sum_k n_A n_B)` per bin, with `c_AB` the ordered pairs from a point of A to one of B, and
+/// `v` the measure of the shell; 1 if A and B are independent (Illian et al. 2008, section 4.3.4). Pairs are taken in both
+/// orders, over `2 n_A n_B`: the same, but where a pair's edge correction depends on its order both orders count alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrossCorrelation {
+    /// The names of the classes.
+    pub classes: [String; 2],
+    /// g of A alone.
+    pub a: PairCorrelation,
+    /// g of B alone.
+    pub b: PairCorrelation,
+    /// g between A and B; its counts are pairs from A to B.
+    pub between: PairCorrelation,
+}
+
+impl CrossCorrelation {
+    /// The estimates. Within a class too small for pairs g is NaN.
+    pub fn new(classes: [String; 2], plan: &PairPlan, counts: &CrossCounts, normalization: Normalization) -> Self {
+        let g = |counts| PairCorrelation::new(plan, counts, normalization);
+        let mut between = g(&counts.between);
+        between.count.iter_mut().for_each(|c| *c /= 2);
+        Self { classes, a: g(&counts.a), b: g(&counts.b), between }
+    }
+}

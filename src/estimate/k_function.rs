@@ -1,0 +1,61 @@
+//! Pair counts -> Ripley's K(r), L(r) and the mean number of neighbours.
+
+use super::ratio::ratio;
+use super::{ErrorSource, Normalization};
+use crate::accumulate::PairCounts;
+use crate::plan::PairPlan;
+
+/// `K(r) = |D| sum_k C(r) / sum_k N` over realizations k at the upper edges of the bins, with `C` the ordered pairs closer
+/// than r (or their weight) and `N = n (n - 1)` or `n^2`: `lambda K(r)` is the mean number of further points within r of a
+/// point (Ripley 1976; Illian et al. 2008, section 4.3). `L(r) = (K / b)^(1/d)`, `b r^d` being the measure of a ball
+/// (Besag 1977): `L(r) = r` for complete spatial randomness.
+///
+/// Standard errors are across realizations. For K = 1 they are those of complete spatial randomness, with unordered pairs
+/// Poisson: the leading term of the variance of K (Ripley, Statistical Inference for Spatial Processes, 1988, chapter 3),
+/// exact on a torus up to 1/n; in a window edge effects add to it as r grows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KFunction {
+    /// Upper edges of the bins, in the domain's length unit.
+    pub r: Vec<f64>,
+    /// K, in units of the domain's measure.
+    pub k: Vec<f64>,
+    /// Standard error of K.
+    pub k_se: Vec<f64>,
+    /// L, in the domain's length unit.
+    pub l: Vec<f64>,
+    /// Standard error of L, to first order; `None` where K is 0.
+    pub l_se: Vec<Option<f64>>,
+    /// `lambda K`, with `lambda` the mean of n over |D|.
+    pub neighbors: Vec<f64>,
+    /// Where the errors come from.
+    pub errors: ErrorSource,
+    /// The normalization.
+    pub normalization: Normalization,
+}
+
+impl KFunction {
+    /// The estimate, `None` if the counts hold no cumulative sums. Bins must start at 0, which plans check. `mean_points` is
+    /// the mean of n.
+    pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization, mean_points: f64) -> Option<Self> {
+        let cumulative = counts.cumulative.as_ref()?;
+        let (measure, dim) = (plan.domain.measure(), plan.domain.dim());
+        let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][dim - 1];
+        let mut closer = 0;
+        let (mut k, mut k_se, mut l, mut l_se) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for bin in 0..plan.bins.len() {
+            let ratio = ratio(counts, cumulative, bin, normalization);
+            closer += counts.counts[bin];
+            let (value, se) =
+                (measure * ratio.sum / ratio.norm, measure * ratio.standard_error(plan, counts, closer) / ratio.norm);
+            let radius = (value / ball).powf(1.0 / dim as f64);
+            k.push(value);
+            k_se.push(se);
+            l.push(radius);
+            // dL = dK L / (d K)
+            l_se.push((value > 0.0).then(|| se * radius / (dim as f64 * value)));
+        }
+        let neighbors = k.iter().map(|k| mean_points / measure * k).collect();
+        let errors = ErrorSource::of(counts.realizations);
+        Some(Self { r: plan.bins.edges()[1..].to_vec(), k, k_se, l, l_se, neighbors, errors, normalization })
+    }
+}
