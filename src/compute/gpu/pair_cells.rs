@@ -229,3 +229,43 @@ fn dispatches(sets: &[Vec<CellPairTask>], pairs: u64, most_tasks: usize) -> Vec<
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(first: u32, pairs: u32) -> CellPairTask {
+        CellPairTask { first_row: 0, rows: 4, first, end: first + pairs / 4, lane_bits: 0 }
+    }
+
+    /// Every task in exactly one job of its realization, whatever the caps.
+    #[test]
+    fn dispatches_cover_each_task_once() {
+        let set = |k: u32, n: u32| (0..n).map(|t| task(1000 * k + t, 1 << (4 + t % 13))).collect::<Vec<_>>();
+        let sets = [set(0, 50), set(1, 0), set(2, 1), set(3, 900)];
+        for (pairs, most) in [(1, 1000), (1 << 17, 1000), (1 << 40, 7), (1 << 40, 1 << 20)] {
+            let mut seen: Vec<Vec<CellPairTask>> = vec![Vec::new(); sets.len()];
+            for (tasks, jobs) in dispatches(&sets, pairs, most) {
+                assert!(tasks.len() <= most && jobs.len() <= MAX_GROUPS as usize);
+                assert!(tasks.len() == 1 || tasks.iter().map(pairs_of).sum::<u64>() <= pairs);
+                let mut next = 0;
+                for job in jobs {
+                    assert_eq!(job.first_task, next, "jobs follow each other");
+                    next += job.tasks;
+                    seen[job.histogram as usize].extend(&tasks[job.first_task as usize..next as usize]);
+                }
+                assert_eq!(next as usize, tasks.len());
+            }
+            assert_eq!(seen, sets);
+        }
+    }
+
+    #[test]
+    fn groups_keep_to_the_caps() {
+        let caps = Caps { bytes: 4000, points: 100, histograms: 3, pairs: 1 };
+        let sizes = [50, 50, 1, 300, 0, 0, 0, 0, 99];
+        assert_eq!(groups(&sizes, &caps, 10), [0..2, 2..3, 3..4, 4..7, 7..9]);
+        assert_eq!(groups(&[1, 1, 1], &caps, 500), [0..2, 2..3], "two sets of 500 cells in 4000 bytes");
+        assert_eq!(groups(&[1, 1], &caps, 5000), [0..1, 1..2], "at least one");
+    }
+}

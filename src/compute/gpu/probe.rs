@@ -82,6 +82,7 @@ pub(super) fn check(compute: &GpuCompute) -> Verdict {
     ask("pairs in logarithmic bins, unequal sides", box_pairs(compute));
     ask("pairs over several tiles", tiled_pairs(compute));
     ask("pairs over several wide tiles, bins in global memory", wide_pairs(compute));
+    ask("pairs of points sorted into cells", cell_pairs(compute));
     ask("edge weights in a window", edge_weights(compute));
     ask("power of a rank-1 lattice", lattice_power(compute));
     ask("power over several chunks of points", chunked_power(compute));
@@ -159,19 +160,19 @@ fn ensemble(domain: &Domain, sets: &[Vec<f64>]) -> Result<(Ensemble, EnsembleSha
 }
 
 fn pairs(compute: &GpuCompute, domain: &Domain, bins: RadialBins, sets: &[Vec<f64>]) -> Result<Result<String, String>> {
-    pairs_as_if(compute, domain, bins, sets, 0)
+    pairs_as_if(compute, domain, bins, sets, |_| ())
 }
 
-/// As if the largest realization had at least `points` points: kernels differ with it.
+/// As if the realizations were of another shape: kernels differ with it.
 fn pairs_as_if(
     compute: &GpuCompute,
     domain: &Domain,
     bins: RadialBins,
     sets: &[Vec<f64>],
-    points: u64,
+    as_if: impl FnOnce(&mut EnsembleShape),
 ) -> Result<Result<String, String>> {
     let (ensemble, mut shape) = ensemble(domain, sets)?;
-    shape.max_points = shape.max_points.max(points);
+    as_if(&mut shape);
     let plan = PairPlan::new(domain, bins, Correction::None, shape)?;
     let truth = Reference.pair_counts(&plan, &ensemble, &Control::default())?;
     let here = compute.pair_counts(&plan, &ensemble, &Control::default())?;
@@ -201,7 +202,13 @@ fn tiled_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
 
 fn wide_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
     let bins = RadialBins::linear(0.3, 20_000)?;
-    pairs_as_if(compute, &Domain::unit_torus(3), bins, &[uniform(1100, 3)], 1 << 20)
+    pairs_as_if(compute, &Domain::unit_torus(3), bins, &[uniform(1100, 3)], |shape| shape.max_points = 1 << 20)
+}
+
+/// A plan for large sets looks for pairs in cells.
+fn cell_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let sets = [uniform(900, 2), uniform(1, 2), uniform(250, 2)];
+    pairs_as_if(compute, &Domain::unit_torus(2), RadialBins::linear(0.06, 50)?, &sets, |shape| shape.mean_points = 1e6)
 }
 
 fn box_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
