@@ -187,7 +187,6 @@ pub fn run(
         let warning = "weights of points enter g and K only: P and distances to neighbours take every point alike";
         warnings.push(warning.to_string());
     }
-
     if let Some(lags) = plan.lags.as_ref().filter(|_| request.lag_max.is_none() && request.lag_bins.is_none()) {
         warnings.extend(lags.coarse(shape.mean_points));
     }
