@@ -127,6 +127,12 @@ impl PairSearch {
     }
 }
 
+impl fmt::Display for SearchEstimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {:.3e} pairs looked at, about {:.2e} s of one thread", self.search, self.pairs, self.seconds)
+    }
+}
+
 impl fmt::Display for PairSearch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
