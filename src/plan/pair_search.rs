@@ -41,7 +41,7 @@ impl SearchCosts {
     /// Measured on one core of an AMD EPYC of 2022 (Zen 4, AVX-512) by `benches/pair_sweep.rs`. Only ratios matter, and
     /// those are much the same on other processors.
     pub const CPU: Self = Self {
-        pair: 0.55,
+        pair: 0.42,
         pair_by_table: 3.3,
         row: 12.0,
         partner: 0.3,
