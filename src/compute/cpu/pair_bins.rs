@@ -51,8 +51,8 @@ pub(super) struct Undecided {
 }
 
 /// Relative error of the distance in bins: five roundings of 2^-24 in r^2 (conversion twice, product, two sums) are half
-/// as many in r; the root, the bins per step and the product are one each. Together 5.5 2^-24 = 3.3e-7.
-const RELATIVE_ERROR: f64 = 3.5e-7;
+/// as many in r; the root, the bins per step and the product are one each. Together 5.5 2^-24, below this.
+const RELATIVE_ERROR: f64 = 3.3e-7;
 
 /// `BinFilter::Linear` in fixed point. With `t` the distance in bins, f32 rounds `t + 2^e` to `f = 23 - e` bits behind the
 /// point, if `2^e` is beyond all bins; these bits say which bin it is and how near an edge. Adding the guard first makes
@@ -90,9 +90,9 @@ impl Linear {
         let exponent = stride.next_power_of_two().ilog2();
         let fraction_bits = 23 - exponent;
         let unit = 0.5f64.powi(fraction_bits as i32);
-        let guard = RELATIVE_ERROR * stride as f64 + f64::from(absolute_guard);
+        let guard = RELATIVE_ERROR * bins as f64 + f64::from(absolute_guard);
         // Rounding to the unit adds half of one. Written so that NaN and infinity fail.
-        let units = (guard / unit + 1.0).ceil();
+        let units = (guard / unit + 0.5).ceil();
         if !(units <= 0.25 / unit) {
             return None;
         }
