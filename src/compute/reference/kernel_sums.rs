@@ -8,7 +8,7 @@
 //!
 //! over pairs closer than `KernelPlan::range`, with `w` and `|.|` as in `pair_counts` and S the surface of the sphere, which
 //! divides here only if the divisor is d (Illian et al., Statistical Analysis and Modelling of Spatial Point Patterns, 2008,
-//! section 4.3.3; Guan, On consistent nonparametric intensity estimation, 2007, for divisor d). Squared distances are exact
+//! section 4.3.3; for divisor d Guan, Statistics and Probability Letters 77, 2007). Squared distances are exact
 //! integers; their root and all that follows is f64.
 
 use super::{squared_distance, translation_weight};
