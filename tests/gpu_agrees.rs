@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use common::*;
 use pairwave::Error;
 use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
-use pairwave::compute::{Compute, Control};
+use pairwave::compute::{Compute, Control, cpu::Cpu};
 use pairwave::plan::{
     Accuracy, CellGrid, Correction, EnsembleShape, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts,
 };
@@ -197,6 +197,17 @@ fn cells_give_the_same_bytes_however_the_work_is_cut() {
         });
         assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{pairs} pairs, {bytes} bytes");
     }
+}
+
+/// Sets so large that cells are chosen, and the reference would take minutes: the CPU path counts the same.
+#[test]
+fn large_sets_count_as_on_the_cpu() {
+    let Some(gpu) = shared("large sets") else { return };
+    let cpu = Cpu::new(None).unwrap();
+    let ensemble = ensemble(&[uniform(2, 60_000, 1), clustered(2, 30_000, 2)]);
+    let plan = pair_plan(&ensemble, RadialBins::linear(0.01, 256).unwrap(), Correction::None);
+    let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+    assert_counts_equal("large sets", &here, &cpu.pair_counts(&plan, &ensemble, &go()).unwrap());
 }
 
 /// What is chosen by estimate: cells for many points and short distances, all pairs else.
