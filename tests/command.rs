@@ -129,8 +129,13 @@ fn vector_g_on_its_own_and_with_everything() {
     let plan =
         scratch.ok("analyze --sampler random -n 100 --dim 3 --stats pcf-vector --lag-bins 20 --device cpu --explain");
     assert!(plan.contains("lag_counts: ") && plan.contains("20 x 20 x 20 bins over lags [-0.5, 0.5) x"), "{plan}");
+    // The cells of all lags are wider than what happens between neighbours.
+    let coarse = scratch.run("analyze --sampler random -n 1024 --stats pcf-vector --device cpu --out coarse");
+    let hint = "cells of lags are 0.47 closest-packing distances wide: --lag-max 0.134 would show 4 of these distances";
+    assert!(String::from_utf8(coarse.stderr).unwrap().contains(hint));
     // In a window with another correction of g(r) the vector g keeps its own.
     scratch.file("w.csv", "0.1,0.1\n0.4,0.2\n0.3,0.9\n0.8,0.8\n");
+    scratch.ok("analyze w.csv --window 0,1,0,1 --stats pcf,pcf-vector --correction border --lag-bins 4 --explain");
     scratch.ok("analyze w.csv --window 0,1,0,1 --stats pcf,pcf-vector --lag-bins 4 --device cpu --out w");
     assert_eq!(summary(&scratch.path("w"))["vector_correlation"]["correction"], "translation");
     for threads in [1, 3] {

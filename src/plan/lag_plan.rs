@@ -248,12 +248,14 @@ impl LagPlan {
         let unit = self.domain.closest_packing_distance(mean_points);
         let width = (0..self.grid.dim()).map(|axis| self.grid.width(axis)).fold(0.0, f64::max);
         let fits = self.grid.half.iter().all(|&half| 4.0 * unit <= half);
+        // Three digits are plenty.
+        let lag_max = format!("{:.2e}", 4.0 * unit).parse().unwrap_or(4.0 * unit);
         (width > unit / 4.0 && fits).then(|| {
             format!(
-                "cells of lags are {:.2} closest-packing distances wide: --lag-max {:.3e} would show 4 of these distances \
+                "cells of lags are {:.2} closest-packing distances wide: --lag-max {} would show 4 of these distances \
                  round lag 0, finely",
                 width / unit,
-                4.0 * unit
+                number(lag_max)
             )
         })
     }
