@@ -221,6 +221,9 @@ impl fmt::Display for PairPlan {
         writeln!(f, "  exact: {filter} decides pairs clear of an edge, 128-bit integers the rest")?;
         writeln!(f, "  {}", self.batch)?;
         writeln!(f, "  skipped: half of the pairs (i < j, counted twice)")?;
+        if self.masses {
+            writeln!(f, "  weights of points in steps of 2^-24 of a power of two")?;
+        }
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
             Correction::Border => writeln!(f, "  border: pairs seen from points deeper inside than the distance"),
