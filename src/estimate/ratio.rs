@@ -17,8 +17,9 @@ pub(super) struct Ratio {
 
 impl Ratio {
     /// Standard error of `sum`: across realizations, or for one of them theory, as if unordered pairs were Poisson:
-    /// `w sqrt(2 count)` with `w` the mean weight of the `count` ordered pairs. No pair at all gets the error of one
-    /// unordered pair of mean weight.
+    /// `w sqrt(2 count)` with `w` the mean weight of the `count` ordered pairs (how weights spread about it is left out).
+    /// No pair at all gets the error of one unordered pair of mean weight. With border correction, where most pairs are seen
+    /// from one end only, twice the pairs seen stand for their variance: an upper bound.
     pub(super) fn standard_error(&self, plan: &PairPlan, counts: &PairCounts, count: u64) -> f64 {
         self.error.unwrap_or_else(|| {
             if plan.border() {

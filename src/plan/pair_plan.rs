@@ -219,6 +219,10 @@ impl fmt::Display for PairPlan {
         if self.search != PairSearch::All {
             writeln!(f, "  skipped: pairs of cells that are farther apart than r_max")?;
         }
+
+        if self.masses {
+            writeln!(f, "  weights of points in steps of 2^-24 of a power of two")?;
+        }
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
             Correction::Border => writeln!(f, "  border: pairs seen from points deeper inside than the distance"),
