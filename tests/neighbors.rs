@@ -216,8 +216,8 @@ fn functions_of_a_hard_core() {
     let found = measure_at(&ensemble(&[raw(2, points.concat())]), &edges).functions;
     assert_eq!(found.g[..3], [Some(0.0); 3]);
     assert!(found.j[2].unwrap() > 1.5);
-    for i in 0..2 {
-        let expected = 120.0 * ball(2, edges[i]);
+    for (i, &r) in edges.iter().enumerate().take(2) {
+        let expected = 120.0 * ball(2, r);
         // The lattice has some 16,000 test points.
         assert!((found.f[i].unwrap() - expected).abs() < 0.01, "{:?}, not {expected}", found.f[i]);
     }
@@ -350,9 +350,10 @@ fn bonds_are_those_of_the_voronoi_diagram() {
             let points = scattered(&domain, n, seed).coordinates;
             let found = bonds(&domain, &points).unwrap();
             let each = psi_by_definition(&domain, &points, 4);
-            let mean = |f: &dyn Fn(&([f64; 2], usize)) -> f64| each.iter().map(f).sum::<f64>() / n as f64;
-            let local = mean(&|p| p.0[0].hypot(p.0[1]));
-            let global = mean(&|p| p.0[0]).hypot(mean(&|p| p.0[1]));
+            let mean = |values: Vec<f64>| values.iter().sum::<f64>() / n as f64;
+            let local = mean(each.iter().map(|p| p.0[0].hypot(p.0[1])).collect());
+            let [re, im] = [0, 1].map(|part| mean(each.iter().map(|p| p.0[part]).collect()));
+            let global = re.hypot(im);
             assert!((found.local - local).abs() < 1e-9, "{n} in {sides:?}: {} against {local}", found.local);
             assert!((found.global - global).abs() < 1e-9, "{n} in {sides:?}: {} against {global}", found.global);
             for (share, k) in found.with_5_6_7_neighbors.into_iter().zip(5..) {
