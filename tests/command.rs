@@ -491,7 +491,6 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--box 1e-300,1: every side must be finite and between 1e-100 and 1e100; expected L1,L2[,L3]",
         ),
         ("analyze ok.csv --r-max -1", 2, "--r-max -1: expected a finite number above 0"),
-        ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf among --stats"),
         ("analyze ok.csv --lag-bins 3", 2, "--lag-bins 3: needs pcf-vector among --stats"),
         ("analyze ok.csv --lag-max 0.1", 2, "--lag-max 0.1: needs pcf-vector among --stats"),
         ("analyze ok.csv --lag-rings 0.1,0.2", 2, "--lag-rings 0.1,0.2: needs pcf-vector among --stats"),

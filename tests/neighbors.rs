@@ -216,8 +216,8 @@ fn functions_of_a_hard_core() {
     let found = measure_at(&ensemble(&[raw(2, points.concat())]), &edges).functions;
     assert_eq!(found.g[..3], [Some(0.0); 3]);
     assert!(found.j[2].unwrap() > 1.5);
-    for i in 0..2 {
-        let expected = 120.0 * ball(2, edges[i]);
+    for (i, &r) in edges.iter().enumerate().take(2) {
+        let expected = 120.0 * ball(2, r);
         // The lattice has some 16,000 test points.
         assert!((found.f[i].unwrap() - expected).abs() < 0.01, "{:?}, not {expected}", found.f[i]);
     }
@@ -304,6 +304,63 @@ fn lattices_have_their_bond_order() {
     let window = Domain::window(&[(0.0, torus.sides()[0]), (0.0, torus.sides()[1])]).unwrap();
     let found = bonds(&window, &points).unwrap();
     assert!((found.local - 1.0).abs() < 1e-12 && found.with_5_6_7_neighbors[1] > 0.8, "{found:?}");
+}
+
+/// psi_6 and the number of neighbours of every point, by the definition of the Voronoi diagram: j is a neighbour of i if on the
+/// line halfway between them a stretch longer than 1e-5 of their distance is nearer to no other point.
+fn psi_by_definition(domain: &Domain, points: &[f64], turns: i32) -> Vec<([f64; 2], usize)> {
+    let points: Vec<[f64; 2]> = points.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+    let [width, height] = [domain.sides()[0], domain.sides()[1]];
+    let shifts =
+        (-turns..=turns).flat_map(|a| (-turns..=turns).map(move |b| [f64::from(a) * width, f64::from(b) * height]));
+    let sites: Vec<[f64; 2]> = shifts.flat_map(|s| points.iter().map(move |p| [p[0] + s[0], p[1] + s[1]])).collect();
+    let of_point = |from: &[f64; 2]| {
+        let others: Vec<[f64; 2]> =
+            sites.iter().map(|s| [s[0] - from[0], s[1] - from[1]]).filter(|o| *o != [0.0; 2]).collect();
+        let (mut sum, mut neighbors) = ([0.0; 2], 0);
+        for to in &others {
+            // The points (to + t across) / 2 are as far from `from` as from `to`, and nearer than `other` if t a < b.
+            let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+            for other in others.iter().filter(|o| *o != to) {
+                let a = other[1] * to[0] - other[0] * to[1];
+                let b = other[0] * (other[0] - to[0]) + other[1] * (other[1] - to[1]);
+                match a {
+                    0.0 if b < 0.0 => high = f64::NEG_INFINITY,
+                    0.0 => {}
+                    _ if a > 0.0 => high = high.min(b / a),
+                    _ => low = low.max(b / a),
+                }
+            }
+            if 0.5 * (high - low) > 1e-5 {
+                let angle = 6.0 * to[1].atan2(to[0]);
+                sum = [sum[0] + angle.cos(), sum[1] + angle.sin()];
+                neighbors += 1;
+            }
+        }
+        (sum.map(|s| s / neighbors as f64), neighbors)
+    };
+    points.iter().map(of_point).collect()
+}
+
+#[test]
+fn bonds_are_those_of_the_voronoi_diagram() {
+    for sides in [[1.0, 1.0], [1.0, 0.7], [0.3, 1.0]] {
+        let domain = Domain::torus(&sides).unwrap();
+        for (n, seed) in [(3, 1), (4, 2), (6, 3), (12, 4), (30, 5)] {
+            let points = scattered(&domain, n, seed).coordinates;
+            let found = bonds(&domain, &points).unwrap();
+            let each = psi_by_definition(&domain, &points, 4);
+            let mean = |values: Vec<f64>| values.iter().sum::<f64>() / n as f64;
+            let local = mean(each.iter().map(|p| p.0[0].hypot(p.0[1])).collect());
+            let [re, im] = [0, 1].map(|part| mean(each.iter().map(|p| p.0[part]).collect()));
+            let global = re.hypot(im);
+            assert!((found.local - local).abs() < 1e-9, "{n} in {sides:?}: {} against {local}", found.local);
+            assert!((found.global - global).abs() < 1e-9, "{n} in {sides:?}: {} against {global}", found.global);
+            for (share, k) in found.with_5_6_7_neighbors.into_iter().zip(5..) {
+                assert_eq!(share, each.iter().filter(|p| p.1 == k).count() as f64 / n as f64, "{n} in {sides:?}: {k}");
+            }
+        }
+    }
 }
 
 /// freud 3.4.0, `order.Hexatic(k=6)` over the neighbours of `locality.Voronoi`, which computes in float32.

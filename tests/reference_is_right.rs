@@ -456,7 +456,7 @@ fn jittered_vector_g_is_its_closed_form() {
 #[test]
 fn k_of_an_independent_program() {
     let rows = |text: &str| -> Vec<Vec<f64>> {
-        text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect()
+        text.lines().skip(1).map(|l| l.split(',').map(|x| x.trim().parse().unwrap()).collect()).collect()
     };
     let trees = raw(2, rows(include_str!("data/swedishpines.csv")).concat());
     let expected = rows(include_str!("data/swedishpines_k.csv"));

@@ -660,7 +660,7 @@ fn an_existing_result_needs_force() {
     // Forced: ours that the new result lacks go away, what is not ours stays.
     fs::write(dir.join("notes.txt"), "mine").unwrap();
     let mut less = small();
-    (less.spectrum, less.radial, less.vector) = (None, None, None);
+    (less.spectrum, less.radial, less.vector, less.neighbors) = (None, None, None, None);
     less.subject = "the second".into();
     report::write(&dir, &less, true).unwrap();
     let kept = ["notes.txt", "pcf.csv", "pcf.svg", "points.svg", "report.html", "summary.json"];

@@ -36,6 +36,7 @@ pub(super) fn spec(plan: &LagPlan, limit: u32) -> KernelSpec {
         ("DIM", dim),
         ("AXIS_BINS", plan.grid.bins as u32),
         ("WORDS", cells),
+        ("SUMS", 0),
         ("TILE_WORDS", dim * WORKGROUP),
         ("WINDOW", u32::from(!plan.domain.is_torus())),
     ];

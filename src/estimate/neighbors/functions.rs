@@ -40,7 +40,7 @@ impl NeighborFunctions {
         let points = sums.nearest.points as f64;
         let all = |sums: &DistributionSums| (0..plan.r.len()).map(|i| estimate(sums, i, points)).collect::<Vec<_>>();
         let [g, f] = [&sums.nearest, &sums.empty].map(all);
-        let j = |(g, f): (&Option<(f64, f64)>, &Option<(f64, f64)>)| {
+        let j = |(g, f): (&Estimate, &Estimate)| {
             let (g, f) = (g.as_ref()?.0, f.as_ref()?.0);
             (f < 1.0).then(|| (1.0 - g) / (1.0 - f))
         };
@@ -61,8 +61,11 @@ impl NeighborFunctions {
     }
 }
 
+/// A value and its error.
+type Estimate = Option<(f64, f64)>;
+
 /// The estimate at one distance and its error; `points` independent distances are behind it if there is one realization.
-fn estimate(sums: &DistributionSums, i: usize, points: f64) -> Option<(f64, f64)> {
+fn estimate(sums: &DistributionSums, i: usize, points: f64) -> Estimate {
     let (norm, at_risk) = (sums.points as f64, sums.at_risk[i] as f64);
     let value = sums.counts[i] as f64 / COUNT_STEPS / norm;
     if norm == 0.0 || (at_risk == 0.0 && value < 1.0) {
