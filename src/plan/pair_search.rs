@@ -68,6 +68,17 @@ impl SearchCosts {
     };
 }
 
+/// A search, and what it would take for one realization.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchEstimate {
+    /// The search.
+    pub search: PairSearch,
+    /// Unordered pairs looked at.
+    pub pairs: f64,
+    /// Seconds on one thread of the machine that the costs were measured on.
+    pub seconds: f64,
+}
+
 impl PairSearch {
     /// Every search there is to choose from, with its estimate for uniform points: all pairs first, then cells by reach.
     /// `beyond` is the threshold of the last edge on squared distances.

@@ -91,12 +91,12 @@ impl Linear {
         let fraction_bits = 23 - exponent;
         let unit = 0.5f64.powi(fraction_bits as i32);
         let guard = RELATIVE_ERROR * bins as f64 + f64::from(absolute_guard);
-        // Rounding to the unit adds half of one. Written so that NaN and infinity fail.
-        let units = (guard / unit + 0.5).ceil();
-        if !(units <= 0.25 / unit) {
+        // Bins far below a step have an infinite guard, or none that is a number.
+        if guard.is_nan() || guard > 0.25 {
             return None;
         }
-        let units = (units as u32).next_power_of_two();
+        // Rounding to the unit adds half of one.
+        let units = ((guard / unit + 0.5).ceil() as u32).next_power_of_two();
         if f64::from(units) * unit > 0.25 {
             return None;
         }
