@@ -98,6 +98,57 @@ fn cells_are_exact_at_their_limits() {
     }
 }
 
+/// Two clusters a billionth apart and far from each other, and points at both ends of the torus: nearly all in one cell.
+#[test]
+fn hostile_sets_are_exact_in_every_search() {
+    for dim in 1..=3 {
+        let mut rng = Rng(8);
+        let ends = [0.0, 1.0 - 2f64.powi(-53), 0.5, 1e-300];
+        let mut coordinates: Vec<f64> = (0..100 * dim).map(|_| 0.25 + 1e-9 * rng.unit()).collect();
+        coordinates.extend((0..100 * dim).map(|_| 0.250_000_001 + 1e-9 * rng.unit()));
+        coordinates.extend((0..100 * dim).map(|_| ends[(rng.bits() % 4) as usize]));
+        let ensemble = ensemble(&[raw(dim, coordinates)]);
+        for (r, bins) in [(0.5, 1), (0.1, 1), (0.1, 100_000), (0.03, 64), (4e-9, 100), (1e-9, 7)] {
+            let plan = pair_plan(&ensemble, RadialBins::linear(r, bins).unwrap(), Correction::None);
+            let truth = reference_counts(&plan, &ensemble);
+            for forced in forced_searches(&plan) {
+                for cpu in levels() {
+                    let counts = cpu.pair_counts(&forced, &ensemble, &Control::default()).unwrap();
+                    assert_counts_equal(&format!("{dim}D, {bins} bins to {r}, {}", forced.search), &counts, &truth);
+                }
+            }
+        }
+    }
+}
+
+/// Ordered pairs per point of the integer lattice with `from <= |distance|^2 < to`.
+fn lattice_shell(dim: usize, from: f64, to: f64) -> u64 {
+    let k = to.sqrt().ceil() as i64;
+    let range = |used: bool| if used { -k..=k } else { 0..=0 };
+    let squares = range(true).flat_map(|a| range(dim > 1).map(move |b| a * a + b * b));
+    let squares = squares.flat_map(|ab| range(dim > 2).map(move |c| (ab + c * c) as f64));
+    squares.filter(|&r2| r2 > 0.0 && from <= r2 && r2 < to).count() as u64
+}
+
+/// A million points whose counts are known, looked for in cells: a dyadic lattice with its distances on the edges, and one
+/// whose coordinates are rounded, with edges between its distances.
+#[test]
+fn counts_of_large_lattices_are_those_of_the_integers() {
+    for (dim, k, reach, half) in [(2, 1024, 8, false), (3, 64, 4, false), (1, 1 << 17, 64, false), (2, 1000, 8, true)] {
+        let (side, shift) = (k as f64, if half { 0.5 } else { 0.0 });
+        let edge = |e: usize| e as f64 + if e == 0 { 0.0 } else { shift };
+        let ensemble = ensemble(&[lattice(dim, k)]);
+        let bins = RadialBins::from_edges((0..=reach).map(|e| edge(e) / side).collect()).unwrap();
+        let plan = pair_plan(&ensemble, bins, Correction::None);
+        assert_ne!(plan.search, PairSearch::All);
+        let n = (k as u64).pow(dim as u32);
+        let truth: Vec<u64> =
+            (0..reach).map(|b| n * lattice_shell(dim, edge(b).powi(2), edge(b + 1).powi(2))).collect();
+        let counts = cpu(2).pair_counts(&plan, &ensemble, &Control::default()).unwrap();
+        assert_eq!(counts.counts, truth, "{dim}D, {k} a side");
+    }
+}
+
 /// More points than a piece of columns or a block of rows, and sizes around their multiples.
 #[test]
 fn counts_are_equal_around_block_sizes() {

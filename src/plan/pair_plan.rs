@@ -208,7 +208,17 @@ impl fmt::Display for PairPlan {
         )?;
         writeln!(f, "  exact: {filter} decides pairs clear of an edge, 128-bit integers the rest")?;
         writeln!(f, "  {}", self.batch)?;
+        let searches = self.searches(&SearchCosts::CPU);
+        if let Some(chosen) = searches.iter().find(|s| s.search == self.search) {
+            writeln!(f, "  search on the CPU: {chosen} per realization")?;
+        }
+        for other in searches.iter().filter(|s| s.search != self.search) {
+            writeln!(f, "    instead of {other}")?;
+        }
         writeln!(f, "  skipped: half of the pairs (i < j, counted twice)")?;
+        if self.search != PairSearch::All {
+            writeln!(f, "  skipped: pairs of cells that are farther apart than r_max")?;
+        }
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
             Correction::Border => writeln!(f, "  border: pairs seen from points deeper inside than the distance"),

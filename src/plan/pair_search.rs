@@ -27,7 +27,7 @@ pub struct SearchCosts {
     pub partner: f64,
     /// A range of partners.
     pub range: f64,
-    /// A cell, empty or not.
+    /// A cell with points in it.
     pub cell: f64,
     /// Sorting one point.
     pub sort: f64,
@@ -38,16 +38,16 @@ pub struct SearchCosts {
 }
 
 impl SearchCosts {
-    /// Measured on one core of an AMD EPYC of 2022 (Zen 4, AVX-512) by `benches/pair_sweep.rs`. Only ratios matter, and
-    /// those are much the same on other processors.
+    /// Fitted to the times that `benches/pair_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512). Only
+    /// ratios matter, and those are much the same on other processors.
     pub const CPU: Self = Self {
-        pair: 0.55,
+        pair: 0.44,
         pair_by_table: 3.3,
-        row: 12.0,
-        partner: 0.3,
-        range: 6.0,
-        cell: 8.0,
-        sort: 15.0,
+        row: 23.0,
+        partner: 0.16,
+        range: 45.0,
+        cell: 30.0,
+        sort: 4.5,
         cells_per_point: 0.3,
         max_reach: 6,
     };
@@ -98,9 +98,7 @@ impl PairSearch {
         let mut found = vec![SearchEstimate { search: Self::All, pairs: all, seconds: undivided }];
         for reach in 1..=costs.max_reach {
             let Some(grid) = CellGrid::new(domain, beyond, reach, points * costs.cells_per_point) else { continue };
-            // A grid that had to be coarsened is the same for every larger reach, with more to look at.
-            let estimate = Self::estimate(grid, domain, beyond, points, pair, costs);
-            found.push(estimate);
+            found.push(Self::estimate(grid, domain, beyond, points, pair, costs));
         }
         found
     }
@@ -130,8 +128,7 @@ impl PairSearch {
         let occupied = cells * (1.0 - (-in_cell).exp());
         let nanoseconds = pairs * pair
             + points * (costs.row + costs.sort)
-            + occupied * (in_cell * partners * costs.partner + ranges * costs.range)
-            + cells * costs.cell;
+            + occupied * (in_cell * partners * costs.partner + ranges * costs.range + costs.cell);
         SearchEstimate { search: Self::Cells(grid), pairs, seconds: 1e-9 * nanoseconds }
     }
 
@@ -139,6 +136,12 @@ impl PairSearch {
     pub fn choose(domain: &Domain, beyond: u128, points: f64, filter: &BinFilter, costs: &SearchCosts) -> Self {
         let all = Self::alternatives(domain, beyond, points, filter, costs);
         all.into_iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds)).map_or(Self::All, |best| best.search)
+    }
+}
+
+impl fmt::Display for SearchEstimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {:.3e} pairs looked at, about {:.2e} s of one thread", self.search, self.pairs, self.seconds)
     }
 }
 

@@ -51,8 +51,8 @@ pub(super) struct Undecided {
 }
 
 /// Relative error of the distance in bins: five roundings of 2^-24 in r^2 (conversion twice, product, two sums) are half
-/// as many in r; the root, the bins per step and the product are one each. Together 5.5 2^-24 = 3.3e-7.
-const RELATIVE_ERROR: f64 = 3.5e-7;
+/// as many in r; the root, the bins per step and the product are one each. Together 5.5 2^-24, below this.
+const RELATIVE_ERROR: f64 = 3.3e-7;
 
 /// `BinFilter::Linear` in fixed point. With `t` the distance in bins, f32 rounds `t + 2^e` to `f = 23 - e` bits behind the
 /// point, if `2^e` is beyond all bins; these bits say which bin it is and how near an edge. Adding the guard first makes
@@ -90,9 +90,9 @@ impl Linear {
         let exponent = stride.next_power_of_two().ilog2();
         let fraction_bits = 23 - exponent;
         let unit = 0.5f64.powi(fraction_bits as i32);
-        let guard = RELATIVE_ERROR * stride as f64 + f64::from(absolute_guard);
+        let guard = RELATIVE_ERROR * bins as f64 + f64::from(absolute_guard);
         // Rounding to the unit adds half of one. Written so that NaN and infinity fail.
-        let units = (guard / unit + 1.0).ceil();
+        let units = (guard / unit + 0.5).ceil();
         if !(units <= 0.25 / unit) {
             return None;
         }
@@ -139,7 +139,7 @@ impl Linear {
 /// arithmetic and counting use different parts of a processor.
 pub(super) struct Stream {
     /// Two rows that take turns, with the 15 indices that may be left of the one before.
-    rows: Box<[[u32; COLUMNS + 2 * LANES]; 2]>,
+    rows: Box<[[u32; COLUMNS + 512]; 2]>,
     /// Which of them is to be counted, and how many indices it holds.
     turn: usize,
     written: usize,
@@ -147,7 +147,7 @@ pub(super) struct Stream {
 
 impl Stream {
     pub(super) fn new() -> Self {
-        Self { rows: Box::new([[0; COLUMNS + 2 * LANES]; 2]), turn: 0, written: 0 }
+        Self { rows: Box::new([[0; COLUMNS + 512]; 2]), turn: 0, written: 0 }
     }
 
     /// Counts what is left.
@@ -505,7 +505,7 @@ unsafe fn linear_row_avx2<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'
     let shift = _mm256_set1_ps(linear.shift);
     let least = _mm256_set1_ps(linear.least);
     let clear = _mm256_set1_epi32(linear.clear as i32);
-    let fraction_bits = _mm_cvtsi32_si128(linear.fraction_bits as i32);
+    let fraction_bits = _mm256_set1_epi32(linear.fraction_bits as i32);
     let own: [__m256i; D] = row.own.map(|x| _mm256_set1_epi32(x as i32));
     let periods = row.periods.map(|p| _mm256_set1_epi32(p as i32));
     // The indices of 8 pairs, and which of them are undecided.
@@ -529,7 +529,7 @@ unsafe fn linear_row_avx2<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'
             let base = _mm256_loadu_si256(linear.base.as_ptr().add(lane).cast());
             let r = _mm256_min_ps(_mm256_max_ps(_mm256_sqrt_ps(r2), least), limit);
             let bits = _mm256_castps_si256(_mm256_fmadd_ps(r, bins_per_step, shift));
-            let index = _mm256_add_epi32(_mm256_srl_epi32(bits, fraction_bits), base);
+            let index = _mm256_add_epi32(_mm256_srlv_epi32(bits, fraction_bits), base);
             _mm256_storeu_si256(row.to.add(o + lane).cast(), index);
             let near = _mm256_cmpeq_epi32(_mm256_and_si256(bits, clear), _mm256_setzero_si256());
             _mm256_movemask_ps(_mm256_castsi256_ps(near)) as u32
@@ -538,9 +538,12 @@ unsafe fn linear_row_avx2<const D: usize, const UNEQUAL: bool>(row: &LinearRow<'
     let mut flagged = 0;
     let mut sixteen = |o: usize| {
         let mask = eight(o, 0) | eight(o, 8) << 8;
-        // SAFETY: at most one flag per 16 columns.
-        unsafe { *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask };
-        flagged += usize::from(mask != 0);
+        // A branch, since a store whose place hangs on the mask would hold up the counting that comes after it.
+        if mask != 0 {
+            // SAFETY: at most one flag per 16 columns.
+            unsafe { *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask };
+            flagged += 1;
+        }
     };
     // SAFETY: `row` says so.
     unsafe {
@@ -562,7 +565,7 @@ unsafe fn linear_row_avx512<const D: usize, const UNEQUAL: bool>(row: &LinearRow
     let shift = _mm512_set1_ps(linear.shift);
     let least = _mm512_set1_ps(linear.least);
     let clear = _mm512_set1_epi32(linear.clear as i32);
-    let fraction_bits = _mm_cvtsi32_si128(linear.fraction_bits as i32);
+    let fraction_bits = _mm512_set1_epi32(linear.fraction_bits as i32);
     // SAFETY: the arrays have 16 elements.
     let (limit, base) =
         unsafe { (_mm512_loadu_ps(linear.limit.as_ptr()), _mm512_loadu_si512(linear.base.as_ptr().cast())) };
@@ -586,13 +589,15 @@ unsafe fn linear_row_avx512<const D: usize, const UNEQUAL: bool>(row: &LinearRow
         let r = _mm512_min_ps(_mm512_max_ps(_mm512_sqrt_ps(r2), least), limit);
         let bits = _mm512_castps_si512(_mm512_fmadd_ps(r, bins_per_step, shift));
         let mask = u32::from(_mm512_testn_epi32_mask(bits, clear));
-        let index = _mm512_add_epi32(_mm512_srl_epi32(bits, fraction_bits), base);
-        // SAFETY: there is room for 16 indices, and at most one flag per 16 columns.
-        unsafe {
-            _mm512_storeu_si512(row.to.add(o).cast(), index);
-            *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask;
+        let index = _mm512_add_epi32(_mm512_srlv_epi32(bits, fraction_bits), base);
+        // SAFETY: there is room for 16 indices.
+        unsafe { _mm512_storeu_si512(row.to.add(o).cast(), index) };
+        // A branch, since a store whose place hangs on the mask would hold up the counting that comes after it.
+        if mask != 0 {
+            // SAFETY: at most one flag per 16 columns.
+            unsafe { *flags.get_unchecked_mut(flagged) = (o as u32) << 16 | mask };
+            flagged += 1;
         }
-        flagged += usize::from(mask != 0);
     };
     // SAFETY: `row` says so.
     unsafe {
