@@ -164,7 +164,7 @@ mod tests {
             let coordinate = |i: usize| {
                 let k = i % domain.dim();
                 let place = i * 7919 % 4001;
-                let fraction = if i % 3 == 0 { (place / 200) as f64 / 20.0 } else { place as f64 / 4001.0 };
+                let fraction = if i.is_multiple_of(3) { (place / 200) as f64 / 20.0 } else { place as f64 / 4001.0 };
                 domain.origin()[k] + fraction.min(1.0 - 1e-9) * domain.sides()[k]
             };
             let coordinates = (0..n * domain.dim()).map(coordinate).collect();
