@@ -42,7 +42,7 @@ impl SearchCosts {
     /// ratios matter, and those are much the same on other processors.
     pub const CPU: Self = Self {
         pair: 0.44,
-        pair_by_table: 3.3,
+        pair_by_table: 2.0,
         row: 23.0,
         partner: 0.16,
         range: 45.0,
