@@ -497,7 +497,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --stats radial --correction none",
             2,
-            "--correction none: needs pcf or pcf-vector among --stats",
+            "--correction none: needs pcf, k-function or pcf-vector among --stats",
         ),
         ("analyze ok.csv --stats pcf-vector --lag-bins 0", 2, "--lag-bins 0: expected 1 to 1448 bins per axis in 2D"),
         (
@@ -617,7 +617,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --window 0,1,0,1 --correction border --kernel box",
             2,
-            "--correction border: is not for kernels; expected translation or isotropic",
+            "--correction border: a kernel estimate weighs pairs; expected translation, isotropic or none",
         ),
         (
             "analyze ok.csv --stats k-function --bin-scale log",

@@ -324,6 +324,42 @@ fn the_fast_direct_sum_is_the_reference() {
     }
 }
 
+/// Isotropic weights, and points with weights: both hands, both roads, and equal weights as if there were none.
+#[test]
+fn kernel_sums_of_every_weight() {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 1.5)]).unwrap();
+    let plain = ensemble_in(&window, &[uniform(2, 300, 1), clustered(2, 90, 2), uniform(2, 1, 3)]);
+    let mut rng = Rng(5);
+    let random: Vec<f64> = (0..plain.total_points()).map(|_| rng.unit()).collect();
+    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
+    let r: Vec<f64> = (1..=60).map(|i| f64::from(i) * 0.01).collect();
+    let of = |e: &Ensemble, masses: bool, correction: Correction| {
+        let settings = PairSettings { masses, ..correction.into() };
+        let plan = KernelPlan::new(kernel, Divisor::R, r.clone(), false, &window, settings, shape(e)).unwrap();
+        let truth = direct(&Reference, &plan, e);
+        let fast = direct(&cpu(), &plan, e);
+        assert!(apart(&fast, &truth.g) < 1e-13 && apart(&fast, &truth.g) >= 0.0, "{correction}");
+        let errors = |g: &KernelEstimate| g.g_se.iter().flatten().sum::<f64>();
+        assert!((errors(&fast) / errors(&truth) - 1.0).abs() < 1e-9);
+        truth.g
+    };
+    for correction in [Correction::None, Correction::Translation, Correction::Isotropic] {
+        let unweighted = of(&plain, false, correction);
+        let equal = of(&plain.clone().with_weights(&vec![2.5; random.len()]), true, correction);
+        let weighted = of(&plain.clone().with_weights(&random), true, correction);
+        let worst = |a: &[Option<f64>]| a.iter().zip(&unweighted).map(|(a, b)| (a.unwrap() - b.unwrap()).abs());
+        assert!(worst(&equal).fold(0.0, f64::max) < 1e-6, "{correction}: equal weights cancel");
+        assert!(worst(&weighted).fold(0.0, f64::max) > 1e-3, "{correction}: unequal ones do not");
+    }
+    // A uniform pattern whose edges are corrected has g = 1.
+    let many = ensemble_in(&window, &(0..30).map(|i| uniform(2, 300, 50 + i)).collect::<Vec<_>>());
+    let plan = kernel_plan(&many, kernel, Divisor::R, &[0.1, 0.3, 0.6], Correction::Isotropic, 300.0);
+    let g = direct(&cpu(), &plan, &many);
+    for (g, se) in g.g.iter().flatten().zip(g.g_se.iter().flatten()) {
+        assert!((g - 1.0).abs() < 4.0 * se && *se < 0.1, "{g} +- {se}");
+    }
+}
+
 #[test]
 fn a_cut_batch_gives_the_same_kernel_sums() {
     let sets: Vec<_> = (0..40).map(|i| uniform(2, 30 + i as usize, i)).collect();

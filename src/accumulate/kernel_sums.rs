@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 /// The kernel sums of one realization, one value per r.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KernelCurve {
-    /// What `sums` is compared with by both normalizations: ordered pairs `n (n - 1)` and `n^2`.
+    /// What `sums` is compared with by both normalizations: ordered pairs `n (n - 1)` and `n^2`, or what stands for them
+    /// where points have weights.
     pub norms: [f64; 2],
     /// `sum w k` over ordered pairs.
     pub sums: Vec<f64>,
@@ -20,11 +21,10 @@ pub struct KernelCurve {
 }
 
 impl KernelCurve {
-    /// Of `n` points, no pairs yet.
-    pub(crate) fn new(n: u64, len: usize) -> Self {
-        let n = n as f64;
+    /// At `len` distances, no pairs yet.
+    pub(crate) fn new(norms: [f64; 2], len: usize) -> Self {
         let zeros = || vec![0.0; len];
-        Self { norms: [n * (n - 1.0).max(0.0), n * n], sums: zeros(), squares: zeros(), bounds: zeros(), coincident: 0 }
+        Self { norms, sums: zeros(), squares: zeros(), bounds: zeros(), coincident: 0 }
     }
 
     /// Adds other pairs of the same realization.

@@ -77,6 +77,12 @@ impl PairHistogram {
             .collect()
     }
 
+    /// `norms` without border correction, in units of 1.
+    pub(crate) fn unit_norms(n: u64, masses: Option<[u128; 2]>) -> [f64; 2] {
+        let unit = if masses.is_some() { 2f64.powi(-48) } else { 1.0 };
+        Self { masses, ..Self::new(n, Vec::new(), None) }.norms(0).map(|norm| norm as f64 * unit)
+    }
+
     /// Number of ordered pairs by both normalizations: `n (n - 1)` and `n^2`, or what stands for them.
     fn norms(&self, bin: usize) -> [u128; 2] {
         let n = u128::from(self.n);

@@ -64,7 +64,6 @@ impl Plan {
         if let Some(bins) = bins.as_ref().filter(|_| k_function) {
             check_bins_of_k(request, bins, domain)?;
         }
-        let simulations = simulations(request, bins.as_ref())?;
         let (kernel, search) = match (&bins, request.kernel) {
             (Some(bins), Some(kernel)) => {
                 let rule = request.bandwidth.unwrap_or(Bandwidth::Stoyan);
@@ -72,9 +71,9 @@ impl Plan {
                 let (r, exact) = (bins.centres(), request.exact_kernel);
                 let ends = [r[0], r[r.len() - 1]];
                 let kernel = Kernel { shape: kernel, bandwidth: rule.value(domain, shape.mean_points) };
-                let plan = KernelPlan::new(kernel, divisor, r, exact, domain, correction, shape)?;
+                let plan = KernelPlan::new(kernel, divisor, r, exact, domain, settings, shape)?;
                 let search = (rule == Bandwidth::Lscv)
-                    .then(|| BandwidthSearch::new(kernel.shape, ends, domain, correction, shape))
+                    .then(|| BandwidthSearch::new(kernel.shape, ends, domain, settings, shape))
                     .transpose()?;
                 (Some(plan), search)
             }
@@ -110,6 +109,11 @@ impl Plan {
         // Neighbours alone need no more than any of these: 4096 realizations at a time.
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
         let grid_wanted = wants(Statistic::Spectrum);
+        // g, the kernel estimate, K and L, G and F.
+        let curves = usize::from(pcf) + usize::from(kernel.is_some()) + 2 * usize::from(k_function);
+        let values =
+            pairs.as_ref().map_or(0, |p| curves * p.bins.len()) + neighbors.as_ref().map_or(0, |n| 2 * n.r.len());
+        let simulations = simulations(request, values as u64)?;
         Ok(Self { pcf, pairs, kernel, search, classes: None, lags, waves, neighbors, grid_wanted, simulations, batch })
     }
 
@@ -128,60 +132,47 @@ impl Plan {
     }
 }
 
-/// The number of simulations asked for.
-fn simulations(request: &Request, bins: Option<&RadialBins>) -> Result<u64> {
-    let (Some(simulations), Some(bins)) = (request.envelope, bins) else { return Ok(0) };
-    let curves = if request.kernel.is_some() { 2 } else { 1 };
-    let largest = MAX_SIMULATED / (curves * bins.len() as u64) - 1;
+/// The number of simulations asked for, of curves with so many values.
+fn simulations(request: &Request, values: u64) -> Result<u64> {
+    let Some(simulations) = request.envelope else { return Ok(0) };
+    let largest = MAX_SIMULATED / values.max(1) - 1;
     if (1..=largest).contains(&simulations) {
         return Ok(simulations);
     }
-    let reason = format!("expected 1 to {largest} simulations of {} bins", bins.len());
+    let reason = format!("expected 1 to {largest} simulations of {values} values each");
     Err(Error::setting("--envelope", simulations, reason))
 }
 
 /// A setting of a statistic that was not asked for would be silently ignored.
 fn refuse_idle_settings(request: &Request) -> Result<()> {
-    let text = |value: Option<String>| value.unwrap_or_default();
-    let pairs = [
-        ("--r-max", text(request.r_max.map(|r| r.to_string()))),
-        ("--bins", text(request.bins.map(|b| b.to_string()))),
-        ("--bin-scale", text(request.bin_scale.map(|s| format!("{s:?}").to_lowercase()))),
-        ("--edges", text(request.edges.as_ref().map(|e| e.display().to_string()))),
-        ("--beyond-half", text(request.beyond_half.then(|| "(given)".into()))),
-        ("--weight-column", text(request.input.weight_column.clone())),
-    ];
-    let pcf = [
-        ("--kernel", text(request.kernel.map(|k| format!("{k:?}").to_lowercase()))),
-        ("--class-column", text(request.input.class_column.clone())),
-    ];
-    let any_pairs = [
-        ("--correction", text(request.correction.map(|c| c.to_string()))),
-        ("--envelope", text(request.envelope.map(|n| n.to_string()))),
-    ];
-    let lags = [
-        ("--lag-bins", text(request.lag_bins.map(|b| b.to_string()))),
-        ("--lag-max", text(request.lag_max.map(number))),
-        ("--lag-rings", text(request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())))),
-    ];
+    use Statistic::{KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
     let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-    let waves = [("--max-frequency", text(request.max_frequency.as_ref().map(list)))];
-    let wants = |s| request.stats.contains(&s);
-    let no_pairs = !wants(Statistic::Pcf) && !wants(Statistic::KFunction);
-    let idle_pairs = pairs.into_iter().filter(|_| no_pairs).map(|(f, v)| (f, v, "pcf or k-function"));
-    let idle_pcf = pcf.into_iter().filter(|_| !wants(Statistic::Pcf)).map(|(f, v)| (f, v, "pcf"));
-    let idle_any_pairs = any_pairs
-        .into_iter()
-        .filter(|_| no_pairs && !wants(Statistic::PcfVector))
-        .map(|(f, v)| (f, v, "pcf, k-function or pcf-vector"));
-    let idle_lags = lags.into_iter().filter(|_| !wants(Statistic::PcfVector)).map(|(f, v)| (f, v, "pcf-vector"));
-    let no_waves = !wants(Statistic::Spectrum) && !wants(Statistic::Radial);
-    let idle_waves = waves.into_iter().filter(|_| no_waves).map(|(f, v)| (f, v, "spectrum or radial"));
-    let idle = idle_pairs.chain(idle_pcf).chain(idle_any_pairs).chain(idle_lags).chain(idle_waves);
-    match idle.into_iter().find(|(_, value, _)| !value.is_empty()) {
-        Some((flag, value, statistic)) => Err(Error::setting(flag, value, format!("needs {statistic} among --stats"))),
-        None => Ok(()),
+    let lower = |text: String| text.to_lowercase();
+    let pairs: &[Statistic] = &[Pcf, KFunction];
+    let settings: [(&str, Option<String>, &[Statistic]); 14] = [
+        ("--r-max", request.r_max.map(number), pairs),
+        ("--bins", request.bins.map(|b| b.to_string()), pairs),
+        ("--bin-scale", request.bin_scale.map(|s| lower(format!("{s:?}"))), pairs),
+        ("--edges", request.edges.as_ref().map(|e| e.display().to_string()), pairs),
+        ("--beyond-half", request.beyond_half.then(|| "(given)".into()), pairs),
+        ("--weight-column", request.input.weight_column.clone(), pairs),
+        ("--kernel", request.kernel.map(|k| lower(format!("{k:?}"))), &[Pcf]),
+        ("--class-column", request.input.class_column.clone(), &[Pcf]),
+        ("--correction", request.correction.map(|c| c.to_string()), &[Pcf, KFunction, PcfVector]),
+        ("--envelope", request.envelope.map(|n| n.to_string()), &[Pcf, KFunction, Neighbors]),
+        ("--lag-bins", request.lag_bins.map(|b| b.to_string()), &[PcfVector]),
+        ("--lag-max", request.lag_max.map(number), &[PcfVector]),
+        ("--lag-rings", request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())), &[PcfVector]),
+        ("--max-frequency", request.max_frequency.as_ref().map(list), &[Spectrum, Radial]),
+    ];
+    for (flag, value, statistics) in settings {
+        if let Some(value) = value.filter(|_| !statistics.iter().any(|s| request.stats.contains(s))) {
+            let names: Vec<_> = statistics.iter().filter_map(clap::ValueEnum::to_possible_value).collect();
+            let names = names.iter().map(|n| n.get_name()).collect::<Vec<_>>().join(" or ");
+            return Err(Error::setting(flag, value, format!("needs {names} among --stats")));
+        }
     }
+    Ok(())
 }
 
 /// K counts from 0 on, and L compares it with balls.

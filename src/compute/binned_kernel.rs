@@ -18,7 +18,7 @@ pub fn kernel_sums(
     let mut sums = KernelSums::new(device.computed_by(), plan.r.len());
     for k in 0..ensemble.realizations() {
         let counts = device.pair_counts(&plan.pairs, &ensemble.slice(k..k + 1), control)?;
-        sums.add(ensemble.first_index() + k as u64, &curve(plan, ensemble.points_in(k) as u64, &counts));
+        sums.add(ensemble.first_index() + k as u64, &curve(plan, &counts));
     }
     sums.close_leaf();
     Ok(sums)
@@ -26,11 +26,12 @@ pub fn kernel_sums(
 
 /// The sums of one realization. The mean of the kernel over a fine bin is known in closed form, and a pair's own value
 /// differs from it by no more than the kernel's oscillation over the bin: that is the bound.
-fn curve(plan: &KernelPlan, n: u64, counts: &PairCounts) -> KernelCurve {
+fn curve(plan: &KernelPlan, counts: &PairCounts) -> KernelCurve {
     let (kernel, bins) = (plan.kernel, &plan.pairs.bins);
     let edges = bins.edges();
     let width = bins.r_max() / bins.len() as f64;
-    let mut curve = KernelCurve::new(n, plan.r.len());
+    let norms = counts.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(counts.steps.norm_bits as i32));
+    let mut curve = KernelCurve::new(norms, plan.r.len());
     let at = |r: f64| {
         let first = ((r - kernel.reach()) / width).floor().max(0.0) as usize;
         let last = (((r + kernel.reach()) / width).ceil() as usize).min(bins.len());

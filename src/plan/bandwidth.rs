@@ -104,7 +104,8 @@ impl BandwidthSearch {
         ensemble: EnsembleShape,
     ) -> Result<Self> {
         let spacing = spacing(domain, ensemble.mean_points);
-        let limit = longest_distance(domain);
+        let settings = settings.into();
+        let limit = longest_distance(domain, settings.correction);
         let largest = (SEARCHED[1] * spacing).min(0.5 * limit / shape.reach());
         let range = (r[1] + shape.reach() * largest).min(limit);
         let smallest = (SEARCHED[0] * spacing).min(0.1 * largest).max(BINS_PER_BANDWIDTH * range / MAX_SEARCH_BINS);

@@ -54,9 +54,13 @@ pub struct KernelPlan {
     pub pairs: PairPlan,
 }
 
-/// The longest distance at which every direction is seen.
-pub(super) fn longest_distance(domain: &Domain) -> f64 {
-    if domain.is_torus() { 0.5 * domain.shortest_side() } else { (1.0 - 1e-6) * domain.shortest_side() }
+/// The longest distance at which a kernel estimate may look at pairs.
+pub(super) fn longest_distance(domain: &Domain, correction: Correction) -> f64 {
+    match correction {
+        _ if domain.is_torus() => 0.5 * domain.shortest_side(),
+        Correction::Isotropic => domain.half_diagonal(),
+        _ => (1.0 - 1e-6) * domain.shortest_side(),
+    }
 }
 
 impl KernelPlan {
@@ -73,8 +77,8 @@ impl KernelPlan {
         shape: EnsembleShape,
     ) -> Result<Self> {
         let settings = PairSettings { cumulative: false, ..settings.into() };
-        if matches!(settings.correction, Correction::Border | Correction::Isotropic) {
-            let reason = "a kernel estimate needs one weight per pair; expected translation or none";
+        if settings.correction == Correction::Border {
+            let reason = "a kernel estimate weighs pairs; expected translation, isotropic or none";
             return Err(Error::setting("--correction", settings.correction, reason));
         }
         // Written so that NaN fails.
@@ -83,7 +87,7 @@ impl KernelPlan {
             return Err(Error::setting("--bandwidth", number(kernel.bandwidth), reason));
         }
         let last = r.last().copied().unwrap_or(0.0);
-        let range = (last + kernel.reach()).min(longest_distance(domain));
+        let range = (last + kernel.reach()).min(longest_distance(domain, settings.correction));
         let pairs = |bins| PairPlan::new(domain, RadialBins::linear(range, bins)?, settings, shape);
         let mut plan = Self { kernel, divisor, r, exact, road: KernelRoad::Direct, pairs: pairs(1)? };
         let per_bandwidth = FINE.min(MAX_FINE_BINS * kernel.bandwidth / range);

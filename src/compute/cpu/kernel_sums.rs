@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Cpu;
 use super::pair_weights::{PairWeights, PointData};
-use crate::accumulate::{KernelCurve, KernelSums, WEIGHT_STEPS};
+use crate::accumulate::{KernelCurve, KernelSums, PairHistogram, WEIGHT_STEPS};
 use crate::compute::reference::minimum_image;
 use crate::compute::{Compute, Control};
 use crate::error::Result;
@@ -71,6 +71,8 @@ fn rows_per_block(n: usize) -> usize {
 struct Set {
     n: usize,
     axes: Vec<Vec<u64>>,
+    /// Weights of the points, where there are any.
+    masses: Option<Vec<u32>>,
     sorted: usize,
 }
 
@@ -82,7 +84,8 @@ impl Set {
         let mut order: Vec<usize> = (0..ensemble.points_in(k)).collect();
         order.sort_unstable_by_key(|&j| (axes[sorted][j], j));
         let axes = axes.iter().map(|axis| order.iter().map(|&j| axis[j]).collect()).collect();
-        Self { n: order.len(), axes, sorted }
+        let masses = ensemble.masses(k).map(|m| order.iter().map(|&j| m[j]).collect());
+        Self { n: order.len(), axes, masses, sorted }
     }
 }
 
@@ -125,11 +128,11 @@ impl Spread {
     /// The pairs of one block of rows with the points that follow.
     fn block(&self, plan: &KernelPlan, set: &Set, block: usize) -> KernelCurve {
         let axes: Vec<&[u64]> = set.axes.iter().map(Vec::as_slice).collect();
-        let data = PointData::new(&plan.pairs, &axes, None);
+        let data = PointData::new(&plan.pairs, &axes, set.masses.as_deref());
         let weights = plan.pairs.weighted().then(|| PairWeights::new(&plan.pairs, &axes, &data));
         // The mean over both orders.
-        let weight = |i, j| weights.as_ref().map_or(1.0, |w| w.translation(i, j) as f64 * (1.0 / WEIGHT_STEPS));
-        let mut curve = KernelCurve::new(set.n as u64, plan.r.len());
+        let weight = |i, j| weights.as_ref().map_or(1.0, |w| w.both(i, j) as f64 * (0.5 / WEIGHT_STEPS));
+        let mut curve = KernelCurve::new(PairHistogram::unit_norms(set.n as u64, data.mass_sums()), plan.r.len());
         let rows = rows_per_block(set.n);
         let along = axes[set.sorted];
         let periods = plan.pairs.domain.periods();

@@ -29,7 +29,7 @@ impl<'a> PointData<'a> {
     }
 
     /// `(sum u)^2` and `sum u^2`, in steps of 2^-48.
-    fn mass_sums(&self) -> Option<[u128; 2]> {
+    pub(super) fn mass_sums(&self) -> Option<[u128; 2]> {
         let masses = self.masses.as_ref()?;
         let sum: u128 = masses.iter().map(|&u| u128::from(u)).sum();
         Some([sum * sum, masses.iter().map(|&u| u128::from(u) * u128::from(u)).sum()])
@@ -57,7 +57,7 @@ impl<'a> PairWeights<'a> {
 
     /// The weights of (i, j) and of (j, i), added.
     #[inline(always)]
-    fn both(&self, i: usize, j: usize) -> u128 {
+    pub(super) fn both(&self, i: usize, j: usize) -> u128 {
         let product = |w: u64| match &self.data.masses {
             Some(masses) => u128::from(reference::weighted_pair([masses[i], masses[j]], w)),
             None => u128::from(w),
@@ -74,7 +74,7 @@ impl<'a> PairWeights<'a> {
 
     /// `reference::translation_weight`, operation for operation, with the quotients of sides taken once.
     #[inline(always)]
-    pub(super) fn translation(&self, i: usize, j: usize) -> u64 {
+    fn translation(&self, i: usize, j: usize) -> u64 {
         let mut weight = 1.0;
         for (axis, a) in self.axes.iter().zip(self.sides) {
             // Dividing by a power of two and multiplying with its inverse are the same, exact operation.

@@ -11,18 +11,25 @@
 //! section 4.3.3; for divisor d Guan, Statistics and Probability Letters 77, 2007). Squared distances are exact
 //! integers; their root and all that follows is f64.
 
-use super::{squared_distance, translation_weight};
-use crate::accumulate::{KernelCurve, WEIGHT_STEPS};
+use super::pair_counts::{mass_sums, pair_weight};
+use super::squared_distance;
+use crate::accumulate::{KernelCurve, PairHistogram, WEIGHT_STEPS};
 use crate::compute::Control;
 use crate::error::Result;
-use crate::plan::{Correction, Divisor, KernelPlan, sphere_surface};
+use crate::plan::{Divisor, KernelPlan, sphere_surface};
 
-/// The sums of one realization. `axes[a][j]` is the position of point `j` along axis `a`.
-pub(super) fn kernel_sums(plan: &KernelPlan, axes: &[&[u64]], control: &Control) -> Result<KernelCurve> {
+/// The sums of one realization. `axes[a][j]` is the position of point `j` along axis `a`, `masses[j]` its weight.
+pub(super) fn kernel_sums(
+    plan: &KernelPlan,
+    axes: &[&[u64]],
+    masses: Option<&[u32]>,
+    control: &Control,
+) -> Result<KernelCurve> {
     let n = axes[0].len();
     let (domain, dim) = (&plan.pairs.domain, plan.pairs.domain.dim());
     let beyond = plan.pairs.thresholds[plan.pairs.bins.len()];
-    let mut curve = KernelCurve::new(n as u64, plan.r.len());
+    let squares = plan.pairs.masses.then(|| mass_sums(n, masses));
+    let mut curve = KernelCurve::new(PairHistogram::unit_norms(n as u64, squares), plan.r.len());
     for i in 0..n {
         control.check()?;
         for j in 0..n {
@@ -31,22 +38,21 @@ pub(super) fn kernel_sums(plan: &KernelPlan, axes: &[&[u64]], control: &Control)
                 continue;
             }
             let d = (r2 as f64).sqrt() * 2f64.powi(-64) * domain.length_unit();
-            let mut weight = match plan.pairs.correction {
-                Correction::Translation => translation_weight(axes, domain, i, j) as f64 / WEIGHT_STEPS,
-                _ => 1.0,
-            };
+            let weight = |i, j| pair_weight(&plan.pairs, axes, masses, i, j) as f64 / WEIGHT_STEPS;
+            let (mut weight, mut both) = (weight(i, j), weight(i, j) + weight(j, i));
             if plan.divisor == Divisor::D {
                 if sphere_surface(d, dim) == 0.0 {
                     curve.coincident += 1;
                     continue;
                 }
                 weight /= sphere_surface(d, dim);
+                both /= sphere_surface(d, dim);
             }
             for (k, &r) in plan.r.iter().enumerate() {
-                let value = weight * plan.kernel.value(r - d);
-                curve.sums[k] += value;
-                // (2 value)^2 for each unordered pair.
-                curve.squares[k] += 2.0 * value * value;
+                let value = plan.kernel.value(r - d);
+                curve.sums[k] += weight * value;
+                // Each unordered pair is met twice.
+                curve.squares[k] += 0.5 * (both * value).powi(2);
             }
         }
     }

@@ -54,7 +54,7 @@ impl Compute for Reference {
     fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
         let mut sums = KernelSums::new(self.computed_by(), plan.r.len());
         for k in 0..ensemble.realizations() {
-            match kernel_sums::kernel_sums(plan, &ensemble.lengths(k), control) {
+            match kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.masses(k), control) {
                 Ok(curve) => sums.add(ensemble.first_index() + k as u64, &curve),
                 Err(error) => return Some(Err(error)),
             }

@@ -108,6 +108,25 @@ pub fn weighted_pair(u: [u32; 2], w: u64) -> u64 {
     ((product + (1 << 47)) >> 48) as u64
 }
 
+/// The weight of the ordered pair (i, j) in steps of 2^-32: that of its edge correction, times those of its points, where the
+/// plan takes them into account.
+pub(super) fn pair_weight(plan: &PairPlan, axes: &[&[u64]], masses: Option<&[u32]>, i: usize, j: usize) -> u64 {
+    let edge = match plan.correction {
+        Correction::None | Correction::Border => 1 << 32,
+        Correction::Translation => translation_weight(axes, &plan.domain, i, j),
+        Correction::Isotropic => isotropic_weight(axes, plan.domain.side_steps(), i, j),
+    };
+    let mass = |j: usize| masses.map_or(UNIT_MASS, |m| m[j]);
+    if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { edge }
+}
+
+/// `(sum u)^2` and `sum u^2` over `n` points of weights u, in steps of 2^-48.
+pub(super) fn mass_sums(n: usize, masses: Option<&[u32]>) -> [u128; 2] {
+    let mass = |j: usize| u128::from(masses.map_or(UNIT_MASS, |m| m[j]));
+    let sum: u128 = (0..n).map(mass).sum();
+    [sum * sum, (0..n).map(|j| mass(j).pow(2)).sum()]
+}
+
 /// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`, `masses[j]` its weight.
 pub(super) fn pair_counts(
     plan: &PairPlan,
@@ -118,7 +137,6 @@ pub(super) fn pair_counts(
     let n = axes[0].len();
     let bins = plan.bins.len();
     let (periods, sides) = (plan.domain.periods(), plan.domain.side_steps());
-    let mass = |j: usize| masses.map_or(UNIT_MASS, |m| m[j]);
     let mut counts = vec![0; bins];
     let mut weights = plan.weighted().then(|| vec![0; bins]);
     let mut border = plan.border().then(|| BorderHistogram {
@@ -145,13 +163,7 @@ pub(super) fn pair_counts(
             let bin = edges_below - 1;
             counts[bin] += 1;
             if let Some(weights) = &mut weights {
-                let edge = match plan.correction {
-                    Correction::None | Correction::Border => 1 << 32,
-                    Correction::Translation => translation_weight(axes, &plan.domain, i, j),
-                    Correction::Isotropic => isotropic_weight(axes, sides, i, j),
-                };
-                let weight = if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { edge };
-                weights[bin] += u128::from(weight);
+                weights[bin] += u128::from(pair_weight(plan, axes, masses, i, j));
             }
             if let Some(border) = border.as_mut().filter(|_| depth > bin) {
                 border.counts[bin] += 1;
@@ -159,9 +171,6 @@ pub(super) fn pair_counts(
             }
         }
     }
-    let masses = plan.masses.then(|| {
-        let sum: u128 = (0..n).map(|j| u128::from(mass(j))).sum();
-        [sum * sum, (0..n).map(|j| u128::from(mass(j)).pow(2)).sum()]
-    });
+    let masses = plan.masses.then(|| mass_sums(n, masses));
     Ok(PairHistogram { border, masses, ..PairHistogram::new(n as u64, counts, weights) })
 }
