@@ -347,9 +347,12 @@ fn kernel_sums_of_every_weight() {
         let unweighted = of(&plain, false, correction);
         let equal = of(&plain.clone().with_weights(&vec![2.5; random.len()]), true, correction);
         let weighted = of(&plain.clone().with_weights(&random), true, correction);
-        let worst = |a: &[Option<f64>]| a.iter().zip(&unweighted).map(|(a, b)| (a.unwrap() - b.unwrap()).abs());
-        assert!(worst(&equal).fold(0.0, f64::max) < 1e-6, "{correction}: equal weights cancel");
-        assert!(worst(&weighted).fold(0.0, f64::max) > 1e-3, "{correction}: unequal ones do not");
+        let worst = |a: &[Option<f64>]| {
+            let differences = a.iter().zip(&unweighted).map(|(a, b)| (a.unwrap() - b.unwrap()).abs());
+            differences.fold(0.0, f64::max)
+        };
+        assert!(worst(&equal) < 1e-6, "{correction}: equal weights cancel");
+        assert!(worst(&weighted) > 1e-3, "{correction}: unequal ones do not");
     }
     // A uniform pattern whose edges are corrected has g = 1.
     let many = ensemble_in(&window, &(0..30).map(|i| uniform(2, 300, 50 + i)).collect::<Vec<_>>());
