@@ -559,10 +559,14 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --window 0,1,0,1 --kernel box --correction border",
             2,
-            "--correction border: a kernel estimate needs one weight per pair; expected translation or none",
+            "--correction border: a kernel estimate weighs pairs; expected translation, isotropic or none",
         ),
-        ("analyze ok.csv --envelope 0", 2, "--envelope 0: expected 1 to 524287 simulations of 256 bins"),
-        ("analyze ok.csv --stats spectrum --envelope 9", 2, "--envelope 9: needs pcf among --stats"),
+        ("analyze ok.csv --envelope 0", 2, "--envelope 0: expected 1 to 174307 simulations of 770 values each"),
+        (
+            "analyze ok.csv --stats spectrum --envelope 9",
+            2,
+            "--envelope 9: needs pcf, k-function or neighbors among --stats",
+        ),
         (
             "analyze ok.csv --kernel box --bandwidth 2",
             2,
@@ -613,11 +617,6 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "analyze trees.csv --window 0,1,0,1 --correction border --weight-column size",
             2,
             "--correction border: counts points, not weights; expected translation, isotropic or none",
-        ),
-        (
-            "analyze ok.csv --window 0,1,0,1 --correction border --kernel box",
-            2,
-            "--correction border: a kernel estimate weighs pairs; expected translation, isotropic or none",
         ),
         (
             "analyze ok.csv --stats k-function --bin-scale log",

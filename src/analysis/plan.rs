@@ -168,7 +168,10 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
     for (flag, value, statistics) in settings {
         if let Some(value) = value.filter(|_| !statistics.iter().any(|s| request.stats.contains(s))) {
             let names: Vec<_> = statistics.iter().filter_map(clap::ValueEnum::to_possible_value).collect();
-            let names = names.iter().map(|n| n.get_name()).collect::<Vec<_>>().join(" or ");
+            let names = match names.iter().map(|n| n.get_name()).collect::<Vec<_>>().as_slice() {
+                [others @ .., one, last] => [others, &[&format!("{one} or {last}")]].concat().join(", "),
+                names => names.join(""),
+            };
             return Err(Error::setting(flag, value, format!("needs {names} among --stats")));
         }
     }
