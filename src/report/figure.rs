@@ -321,9 +321,9 @@ fn write_text(text: &mut String, x: f64, y: f64, anchor: &str, attributes: &str,
     let _ = writeln!(text, r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}" {attributes}>{content}</text>"#);
 }
 
-/// A subscript.
+/// A subscript. Its size is in px: not every program that reads SVG knows per cent.
 pub(super) fn sub(content: &str) -> String {
-    format!(r#"<tspan dy="3.5" font-size="75%">{content}</tspan><tspan dy="-3.5">&#8203;</tspan>"#)
+    format!(r#"<tspan dy="3.5" font-size="10.5">{content}</tspan><tspan dy="-3.5">&#8203;</tspan>"#)
 }
 
 /// Rough width in px of SVG text at 13 px: tags do not count, an entity counts once.
