@@ -188,6 +188,11 @@ fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest)
             return Err(Error::setting("--weight-column", column, "all weights are 0"));
         }
         ensemble = ensemble.with_weights(&weights);
+        let two = |k| ensemble.masses(k).is_some_and(|m| m.iter().filter(|&&u| u > 0).nth(1).is_some());
+        if !(0..ensemble.realizations()).any(two) {
+            let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-25 of it)";
+            return Err(Error::setting("--weight-column", column, reason));
+        }
     }
     if request.class_column.is_some() {
         ensemble = ensemble.with_classes(classes);

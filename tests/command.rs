@@ -344,6 +344,23 @@ fn envelopes_tell_random_from_jittered() {
     let page = std::fs::read_to_string(scratch.path("jittered/report.html")).unwrap();
     assert!(page.contains("differs from randomness at the 5 % level"));
 
+    // Every other curve, beside its own figure, and G tells a grid with jitter from randomness.
+    let flags = "--stats k-function,neighbors --bins 40 --device cpu --envelope 39";
+    scratch.ok(&format!("analyze --sampler jittered -n 64 -k 2 --seed 5 {flags} --out others"));
+    let curves: Vec<_> = csv(&scratch.path("others/envelope.csv")).1.into_iter().map(|row| row[0].clone()).collect();
+    let count = |name: &str| curves.iter().filter(|c| *c == name).count();
+    assert_eq!(["k", "l_minus_r", "neighbor_g", "neighbor_f"].map(count), [40, 40, 41, 41]);
+    assert!((0..4).all(|curve| p("others", curve) <= 0.05));
+    let page = std::fs::read_to_string(scratch.path("others/report.html")).unwrap();
+    for name in ["<i>K</i>", "<i>L</i> − <i>r</i>", "<i>G</i>", "<i>F</i>"] {
+        assert!(page.contains(&format!("{name} differs from randomness at the 5 % level")), "{name}");
+    }
+    assert!(!page.contains("the smoothed"), "nothing was smoothed");
+    for picture in ["k_function.svg", "neighbor_functions.svg"] {
+        let svg = std::fs::read_to_string(scratch.path(&format!("others/{picture}"))).unwrap();
+        assert!(svg.contains("random, global"), "{picture}");
+    }
+
     // A window, points in number drawn, and the same simulations every time.
     let points: Vec<String> =
         (0..50).map(|i| format!("{},{}", 7 + (i * 13) % 50, -2.0 + f64::from(i) / 50.0)).collect();
@@ -408,7 +425,9 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
     for (weighted, plain) in column::<f64>(&sizes, "g").iter().zip(column::<f64>(&all, "g")) {
         assert!((weighted - plain).abs() < 1e-8 * (1.0 + plain), "{weighted}, not {plain}");
     }
-    assert!(summary(&scratch.path("sizes"))["warnings"].to_string().contains("weights of points enter g and K only"));
+    assert!(
+        summary(&scratch.path("sizes"))["warnings"].to_string().contains("weights of points enter g(r) and K only")
+    );
     // To half the diagonal of a torus: every pair.
     scratch.ok("analyze sizes.txt --weight-column 3 --r-max 0.7071067811865476 --beyond-half --device cpu --out far");
     let far = csv(&scratch.path("far/pcf.csv"));
@@ -446,7 +465,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze one.csv",
             1,
-            "points: pcf, pcf-vector and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
+            "points: pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
         ),
         ("analyze ok.csv --window 0,1", 1, "ok.csv: 2 coordinates per point, but --box or --window has 1 axis"),
         ("analyze ok.csv --window 0,1,2", 2, "--window 0,1,2: expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"),

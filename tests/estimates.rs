@@ -3,11 +3,11 @@
 mod common;
 
 use common::*;
-use pairwave::accumulate::{LagCounts, PairCounts, PairHistogram, WavePower};
+use pairwave::accumulate::{CrossCounts, LagCounts, PairCounts, PairHistogram, WavePower};
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, binned_kernel_sums, cpu::Cpu, reference::Reference};
 use pairwave::estimate::{
-    CrossCorrelation, CrossCounts, CrossValidation, Curve, Envelope, ErrorSource, KFunction, KernelEstimate,
-    Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
+    CrossCorrelation, CrossValidation, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, Normalization,
+    PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
 };
 use pairwave::plan::{
     Accuracy, Bandwidth, BandwidthSearch, BinScale, Correction, Divisor, EnsembleShape, Kernel, KernelPlan, KernelRoad,
@@ -634,6 +634,14 @@ fn random_patterns_are_rejected_as_often_as_stated() {
     }
 }
 
+/// p may be at its level without the curve being outside, where the border of the envelope is met exactly.
+#[test]
+fn ties_at_the_border_of_an_envelope() {
+    let e = envelope_of(&[0.0, 0.0], &[&[0.0, 3.0], &[3.0, 0.0], &[9.0, 4.0], &[9.0, 5.0], &[4.0, 9.0], &[5.0, 9.0]]);
+    assert_eq!((e.p, e.alpha), (1.0 / 7.0, 1.0 / 7.0));
+    assert_eq!(e.global, [vec![0.0, 0.0], vec![9.0, 9.0]]);
+}
+
 #[test]
 fn vector_g_and_its_error_across_realizations() {
     let e = ensemble(&(0..6).map(|i| uniform(2, 40, 70 + i)).collect::<Vec<_>>());
@@ -818,7 +826,8 @@ fn k_and_its_errors() {
         let mean = each.iter().sum::<f64>() / 7.0;
         let se = (each.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 42.0).sqrt();
         assert!((k.k[b] - mean).abs() < 1e-12 && (k.k_se[b] - se).abs() < 1e-12, "K({}) = {}", k.r[b], k.k[b]);
-        assert!((k.neighbors[b] - 50.0 * mean).abs() < 1e-12, "lambda K");
+        let closer: u64 = reference_counts(&plan, &e).counts[..=b].iter().sum();
+        assert!((k.neighbors[b] - closer as f64 / 350.0).abs() < 1e-12, "ordered pairs per point");
         assert!((k.l[b].powi(2) * std::f64::consts::PI - mean).abs() < 1e-12, "L = sqrt(K / pi)");
     }
     // One realization: unordered pairs are Poisson.

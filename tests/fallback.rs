@@ -20,11 +20,13 @@ struct Mortal {
     calls_left: AtomicU64,
     can_waves: bool,
     can_lags: bool,
+    /// Adds this to every weight sum, as a GPU's f32 weights differ from those of the CPU path.
+    off: u128,
 }
 
 impl Mortal {
     fn new(calls: u64) -> Self {
-        Self { calls_left: AtomicU64::new(calls), can_waves: true, can_lags: true }
+        Self { calls_left: AtomicU64::new(calls), can_waves: true, can_lags: true, off: 0 }
     }
 
     fn call(&self) -> Result<()> {
@@ -56,6 +58,7 @@ impl Compute for Mortal {
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
         self.call()?;
         let mut sums = Reference.pair_counts(plan, ensemble, control)?;
+        sums.bins.sums.iter_mut().for_each(|sum| *sum += self.off);
         sums.computed_by = self.computed_by();
         Ok(sums)
     }
@@ -89,7 +92,7 @@ fn request(arguments: &str) -> Request {
 
 fn analyze(request: &Request, device: &dyn Compute) -> Result<Analysis> {
     let source = Source::open(&request.input)?;
-    let plan = Plan::new(request, source.domain(), source.shape())?;
+    let plan = Plan::new(request, source.domain(), source.shape())?.with_classes(request, source.classes())?;
     analysis::run(request, &source, &plan, device, &Control::default(), &mut |_| ())
 }
 
@@ -125,6 +128,25 @@ fn what_a_device_does_not_do_is_done_on_the_cpu_and_named() {
     let device = Mortal { can_lags: false, ..Mortal::new(100) };
     let found = analyze(&self::request("--sampler random -n 30 -k 3 --stats pcf-vector"), &device).unwrap();
     assert!(found.warnings.contains(&"mortal knows no lags; done on the native CPU path".to_string()), "{found:?}");
+}
+
+/// The pairs between two classes are a difference, which must be of sums by one hand.
+#[test]
+fn a_device_lost_between_classes_leaves_no_mixture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trees.csv");
+    let mut rng = Rng(3);
+    let rows: Vec<_> = (0..40).map(|i| format!("{},{},{}", rng.unit(), rng.unit(), ["oak", "elm"][i % 2])).collect();
+    std::fs::write(&path, format!("x,y,kind\n{}", rows.join("\n"))).unwrap();
+    let request =
+        request(&format!("{} --window 0,1,0,1 --class-column kind --stats pcf --bins 5 --r-max 0.4", path.display()));
+    let truth = analyze(&request, &Cpu::new(Some(1)).unwrap()).unwrap().cross.unwrap();
+    for calls in 0..=4 {
+        let found = analyze(&request, &Mortal { off: 1 << 20, ..Mortal::new(calls) }).unwrap().cross.unwrap();
+        let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4 * (1.0 + b));
+        assert!(near(&found.between.g, &truth.between.g), "after {calls} calls: {:?}", found.between.g);
+        assert_eq!(found.between.count, truth.between.count);
+    }
 }
 
 #[test]

@@ -13,12 +13,12 @@ use std::path::{Path, PathBuf};
 
 use common::*;
 use pairwave::Error;
-use pairwave::accumulate::PairCounts;
+use pairwave::accumulate::{CrossCounts, PairCounts};
 use pairwave::analysis::{Analysis, ClosedForm, Envelopes};
 use pairwave::compute::neighbors::neighbor_sums;
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
 use pairwave::estimate::{
-    CrossCorrelation, CrossCounts, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, Neighbors, Normalization,
+    CrossCorrelation, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, Neighbors, Normalization,
     PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
 };
 use pairwave::plan::{

@@ -13,5 +13,5 @@ pub use neighbor_sums::{
     Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, RealizationNeighbors,
 };
 pub use ordered_sum::{LEAF, OrderedSum};
-pub use pair_counts::{BorderHistogram, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
+pub use pair_counts::{BorderHistogram, CrossCounts, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
 pub use wave_power::{PowerMoments, WavePower};

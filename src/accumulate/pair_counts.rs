@@ -294,3 +294,23 @@ impl PairCounts {
         self.bins.sums[bin] as f64 / 2f64.powi(self.steps.sum_bits as i32)
     }
 }
+
+/// Raw sums of two classes A and B: pairs within A, within B, and between them in both orders.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrossCounts {
+    /// Ordered pairs of points of A.
+    pub a: PairCounts,
+    /// Ordered pairs of points of B.
+    pub b: PairCounts,
+    /// Pairs of a point of each, from A to B and from B to A.
+    pub between: PairCounts,
+}
+
+impl CrossCounts {
+    /// Adds other realizations of the same process.
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
+        self.a.merge(&other.a)?;
+        self.b.merge(&other.b)?;
+        self.between.merge(&other.between)
+    }
+}

@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use crate::accumulate::PairCounts;
+use crate::accumulate::{CrossCounts, PairCounts};
 use crate::compute::{Control, WithFallback};
 use crate::error::{Error, Result};
-use crate::estimate::CrossCounts;
 use crate::plan::PairPlan;
 use crate::points::Ensemble;
 use crate::request::Request;
@@ -14,7 +13,7 @@ use crate::request::Request;
 #[derive(Debug, Clone)]
 pub(super) struct Classes {
     pub(super) names: [String; 2],
-    numbers: [u32; 2],
+    pub(super) numbers: [u32; 2],
     pub(super) pairs: PairPlan,
 }
 
@@ -56,18 +55,16 @@ impl Classes {
         let sets = [vec![a, b], vec![a], vec![b]].map(|classes| batch.of_classes(&classes));
         let mut sums: Option<CrossCounts> = None;
         for k in 0..batch.realizations() {
-            let mut count = |set: &Ensemble| device.pair_counts(&self.pairs, &set.slice(k..k + 1), control);
-            let (both, a, b) = (count(&sets[0])?, count(&sets[1])?, count(&sets[2])?);
-            let between = PairCounts::new(both.computed_by.clone(), &self.pairs);
-            let sums = match &mut sums {
-                Some(sums) => {
-                    sums.a.merge(&a)?;
-                    sums.b.merge(&b)?;
-                    sums
-                }
-                none => none.insert(CrossCounts { a: a.clone(), b: b.clone(), between }),
-            };
-            sums.between.add_between(&both, &a, &b);
+            let one = sets.each_ref().map(|set| set.slice(k..k + 1));
+            let counts = device.all_pair_counts(&self.pairs, &one, control)?;
+            let [both, a, b] = counts.as_slice() else { continue };
+            let mut between = PairCounts::new(both.computed_by.clone(), &self.pairs);
+            between.add_between(both, a, b);
+            let next = CrossCounts { a: a.clone(), b: b.clone(), between };
+            match &mut sums {
+                Some(sums) => sums.merge(&next)?,
+                none => *none = Some(next),
+            }
         }
         Ok(sums)
     }

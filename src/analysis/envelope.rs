@@ -42,7 +42,7 @@ fn curves(estimates: &Estimates) -> Vec<Curve> {
         g.map(|g| Curve { name: "g", r: g.r.clone(), values: g.g.clone() }),
         kernel.map(|k| Curve { name: "g_kernel", r: k.r.clone(), values: defined(&k.g) }),
         k.map(|k| Curve { name: "k", r: k.r.clone(), values: k.k.clone() }),
-        k.map(|k| Curve { name: "l", r: k.r.clone(), values: k.l.clone() }),
+        k.map(|k| Curve { name: "l_minus_r", r: k.r.clone(), values: k.l_minus_r.clone() }),
         functions.map(|n| Curve { name: "neighbor_g", r: n.r.clone(), values: defined(&n.g) }),
         functions.map(|n| Curve { name: "neighbor_f", r: n.r.clone(), values: defined(&n.f) }),
     ];

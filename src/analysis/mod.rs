@@ -183,9 +183,23 @@ pub fn run(
     if unseen > 0 && unseen < sums.pairs.as_ref().map_or(0, |p| p.counts.len()) {
         warnings.push(format!("no point is far enough from the border for {unseen} of the bins: they are left empty"));
     }
-    if plan.pairs.as_ref().is_some_and(|p| p.masses) && (plan.waves.is_some() || plan.neighbors.is_some()) {
-        let warning = "weights of points enter g and K only: P and distances to neighbours take every point alike";
+    if plan.pairs.as_ref().is_some_and(|p| p.masses)
+        && (plan.waves.is_some() || plan.neighbors.is_some() || plan.lags.is_some())
+    {
+        let warning =
+            "weights of points enter g(r) and K only: P, g of the vector and neighbours take every point alike";
         warnings.push(warning.to_string());
+    }
+    if plan.pairs.as_ref().is_some_and(|p| p.masses) && shape.realizations == 1 {
+        let warning = "errors for a single realization take the pairs of a bin as of equal weight: with very unequal weights of \
+                       points they are too small";
+        warnings.push(warning.to_string());
+    }
+    let of_pairs = plan.pairs.as_ref().map(|p| p.correction);
+    if let (Some(of_pairs), Some(lags)) = (of_pairs, plan.lags.as_ref())
+        && of_pairs != lags.correction
+    {
+        warnings.push(format!("{of_pairs} correction is for g(r); g of the vector has {}", lags.correction));
     }
     if let Some(lags) = plan.lags.as_ref().filter(|_| request.lag_max.is_none() && request.lag_bins.is_none()) {
         warnings.extend(lags.coarse(shape.mean_points));

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use super::classes::Classes;
+use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan,
@@ -105,15 +106,20 @@ impl Plan {
             search.as_ref().map(|s| s.pairs.batch),
             lags.as_ref().map(|l| l.batch),
             waves.as_ref().map(|w| w.batch),
+            neighbors.as_ref().map(|n| n.batch),
         ];
-        // Neighbours alone need no more than any of these: 4096 realizations at a time.
-        let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(4096);
+        let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(1);
         let grid_wanted = wants(Statistic::Spectrum);
         // g, the kernel estimate, K and L, G and F.
         let curves = usize::from(pcf) + usize::from(kernel.is_some()) + 2 * usize::from(k_function);
         let values =
             pairs.as_ref().map_or(0, |p| curves * p.bins.len()) + neighbors.as_ref().map_or(0, |n| 2 * n.r.len());
         let simulations = simulations(request, values as u64)?;
+        if let (Some(n), Some(column)) = (request.envelope, &request.input.weight_column) {
+            let reason =
+                format!("simulated points would have no weights, those of the file have (--weight-column {column})");
+            return Err(Error::setting("--envelope", n, reason));
+        }
         Ok(Self { pcf, pairs, kernel, search, classes: None, lags, waves, neighbors, grid_wanted, simulations, batch })
     }
 
@@ -126,9 +132,23 @@ impl Plan {
         Ok(self)
     }
 
+    /// The same plan with the searches that suit a device.
+    pub fn for_device(self, compute: &dyn Compute) -> Self {
+        let costs = compute.search_costs();
+        let suited = |plan: PairPlan| plan.with_costs(costs);
+        Self {
+            pairs: self.pairs.map(suited),
+            classes: self.classes.map(|c| Classes { pairs: suited(c.pairs), ..c }),
+            kernel: self.kernel.map(|k| KernelPlan { pairs: suited(k.pairs), ..k }),
+            search: self.search.map(|s| BandwidthSearch { pairs: suited(s.pairs), ..s }),
+            ..self
+        }
+    }
+
     /// What a simulation for envelopes needs of it.
     pub(super) fn of_simulations(&self) -> Self {
-        Self { classes: None, lags: None, waves: None, grid_wanted: false, simulations: 0, ..self.clone() }
+        let neighbors = self.neighbors.clone().map(|n| NeighborPlan { bonds: false, ..n });
+        Self { classes: None, lags: None, waves: None, neighbors, grid_wanted: false, simulations: 0, ..self.clone() }
     }
 }
 
@@ -202,7 +222,7 @@ pub(super) fn check_points(pairs: bool, shape: EnsembleShape) -> Result<()> {
     let reason = match shape.max_points {
         0 => "no realization has any points; nothing can be measured",
         1 if pairs => {
-            "pcf, pcf-vector and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
+            "pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
         }
         _ => return Ok(()),
     };
@@ -236,7 +256,13 @@ impl fmt::Display for Plan {
             let n = self.simulations;
             writeln!(f, "envelope: {n} simulations of complete spatial randomness, each with all the pairs above")?;
         }
-        let skipped = [(!self.pcf, "pcf"), (self.waves.is_none(), "spectrum"), (self.neighbors.is_none(), "neighbors")];
+        let skipped = [
+            (!self.pcf, "pcf"),
+            (self.lags.is_none(), "pcf-vector"),
+            (self.pairs.as_ref().is_none_or(|p| !p.cumulative), "k-function"),
+            (self.waves.is_none(), "spectrum"),
+            (self.neighbors.is_none(), "neighbors"),
+        ];
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {
             writeln!(f, "skipped: {name} (not asked for)")?;
         }

@@ -1,11 +1,10 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{KernelSums, LagCounts, NeighborSums, PairCounts, WavePower};
+use crate::accumulate::{CrossCounts, KernelSums, LagCounts, NeighborSums, PairCounts, WavePower};
 use crate::compute::neighbors::neighbor_sums;
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
-use crate::estimate::CrossCounts;
 use crate::points::Ensemble;
 
 /// Raw sums over realizations; what the plan does not ask for is `None`.
@@ -76,11 +75,7 @@ impl Sums {
     /// Adds the sums of the batch that follows.
     pub(super) fn merge(&mut self, next: Self) -> Result<()> {
         merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
-        merge(&mut self.cross, next.cross, |sum, next| {
-            sum.a.merge(&next.a)?;
-            sum.b.merge(&next.b)?;
-            sum.between.merge(&next.between)
-        })?;
+        merge(&mut self.cross, next.cross, |a, b| a.merge(&b))?;
         merge(&mut self.kernel, next.kernel, |a, b| a.merge(b))?;
         merge(&mut self.lags, next.lags, |a, b| a.merge(&b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;

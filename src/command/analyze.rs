@@ -52,6 +52,7 @@ impl Analyze {
         if let Some(note) = device.note.filter(|_| !self.quiet) {
             eprintln!("note: {note}");
         }
+        let plan = plan.for_device(device.compute.as_ref());
         let Some(out) = out else {
             return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.compute.computed_by().device()));
         };

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::{Compute, Control};
+use super::{Backend, Compute, Control};
 use crate::accumulate::{KernelCurve, KernelSums, PairCounts};
 use crate::error::Result;
-use crate::plan::KernelPlan;
+use crate::plan::{GPU_WEIGHT_BOUND, KernelPlan};
 use crate::points::Ensemble;
 
 /// The kernel sums of every realization, from the counts of a device.
@@ -32,6 +32,12 @@ fn curve(plan: &KernelPlan, counts: &PairCounts) -> KernelCurve {
     let width = bins.r_max() / bins.len() as f64;
     let norms = counts.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(counts.steps.norm_bits as i32));
     let mut curve = KernelCurve::new(norms, plan.r.len());
+    // Weights of a GPU are f32.
+    let of_weights = if plan.pairs.weighted() && counts.computed_by.backends.contains(&Backend::Gpu) {
+        f64::from(GPU_WEIGHT_BOUND)
+    } else {
+        0.0
+    };
     let at = |r: f64| {
         let first = ((r - kernel.reach()) / width).floor().max(0.0) as usize;
         let last = (((r + kernel.reach()) / width).ceil() as usize).min(bins.len());
@@ -50,7 +56,7 @@ fn curve(plan: &KernelPlan, counts: &PairCounts) -> KernelCurve {
             squares += 2.0 * weight * weight * mean * mean / counts.counts[b] as f64;
             bound += weight * kernel.oscillation(lo, hi);
         }
-        (sum, (squares, bound))
+        (sum, (squares, bound + of_weights * sum))
     };
     let values: Vec<_> = plan.r.par_iter().map(|&r| at(r)).collect();
     let (sums, rest): (Vec<_>, Vec<_>) = values.into_iter().unzip();

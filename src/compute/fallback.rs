@@ -31,6 +31,17 @@ impl<'a> WithFallback<'a> {
         self.run(self.device.supports_pair_counts(plan), |c| c.pair_counts(plan, ensemble, control))
     }
 
+    /// Of several ensembles, all by the same hand: their weights may be subtracted from each other.
+    pub(crate) fn all_pair_counts(
+        &mut self,
+        plan: &PairPlan,
+        ensembles: &[Ensemble],
+        control: &Control,
+    ) -> Result<Vec<PairCounts>> {
+        let supported = self.device.supports_pair_counts(plan);
+        self.run(supported, |c| ensembles.iter().map(|e| c.pair_counts(plan, e, control)).collect())
+    }
+
     pub(crate) fn lag_counts(&mut self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
         self.run(self.device.supports_lag_counts(plan), |c| c.lag_counts(plan, ensemble, control))
     }

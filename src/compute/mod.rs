@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, LagPlan, PairPlan, WavePlan};
+use crate::plan::{KernelPlan, LagPlan, PairPlan, SearchCosts, WavePlan};
 use crate::points::Ensemble;
 
 /// Which of the three ways.
@@ -118,6 +118,11 @@ pub trait Compute: Send + Sync {
     /// Whether `lag_counts` can run this plan here; the CPU path takes over where not.
     fn supports_lag_counts(&self, _plan: &LagPlan) -> Result<(), String> {
         Ok(())
+    }
+
+    /// What searching for pairs costs here: plans that know it choose by it.
+    fn search_costs(&self) -> SearchCosts {
+        SearchCosts::CPU
     }
 
     /// Ordered pairs per bin of every realization.

@@ -1,19 +1,8 @@
 //! Pair counts of two classes of points -> g within each and between them.
 
 use super::{Normalization, PairCorrelation};
-use crate::accumulate::PairCounts;
+use crate::accumulate::CrossCounts;
 use crate::plan::PairPlan;
-
-/// Raw sums of two classes A and B: pairs within A, within B, and between them in both orders.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CrossCounts {
-    /// Ordered pairs of points of A.
-    pub a: PairCounts,
-    /// Ordered pairs of points of B.
-    pub b: PairCounts,
-    /// Pairs of a point of each, from A to B and from B to A.
-    pub between: PairCounts,
-}
 
 /// `g_AB(r) = |D| sum_k c_AB / (v sum_k n_A n_B)` per bin, with `c_AB` the ordered pairs from a point of A to one of B, and
 /// `v` the measure of the shell; 1 if A and B are independent (Illian et al. 2008, section 4.3.4). Pairs are taken in both

@@ -25,7 +25,7 @@ pub struct Envelope {
     /// Pointwise: the smallest and largest simulated value. At one r fixed beforehand, independent points lie outside with
     /// probability `2 / (N + 1)`.
     pub pointwise: [Vec<f64>; 2],
-    /// Global: the observed curve lies outside somewhere if and only if `p <= alpha`.
+    /// Global: where the observed curve lies outside somewhere, `p <= alpha`; the converse needs no ties at its border.
     pub global: [Vec<f64>; 2],
     /// The level of the global envelope: 0.05, or `1 / (N + 1)` where that is larger.
     pub alpha: f64,

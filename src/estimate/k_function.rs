@@ -7,7 +7,7 @@ use crate::plan::PairPlan;
 
 /// `K(r) = |D| sum_k C(r) / sum_k N` over realizations k at the upper edges of the bins, with `C` the ordered pairs closer
 /// than r (or their weight) and `N = n (n - 1)` or `n^2`: `lambda K(r)` is the mean number of further points within r of a
-/// point (Ripley 1976; Illian et al. 2008, section 4.3). `L(r) = (K / b)^(1/d)`, `b r^d` being the measure of a ball
+/// point of an endless pattern (Ripley 1976; Illian et al. 2008, section 4.3). `L(r) = (K / b)^(1/d)`, `b r^d` being the measure of a ball
 /// (Besag 1977): `L(r) = r` for complete spatial randomness.
 ///
 /// Standard errors are across realizations. For K = 1 they are those of complete spatial randomness, with unordered pairs
@@ -25,7 +25,10 @@ pub struct KFunction {
     pub l: Vec<f64>,
     /// Standard error of L, to first order; `None` where K is 0.
     pub l_se: Vec<Option<f64>>,
-    /// `lambda K`, with `lambda` the mean of n over |D|.
+    /// `L - r`.
+    pub l_minus_r: Vec<f64>,
+    /// Mean number of further points within r of a point: K times the mean of `N / n` over |D|, which is `sum C / sum n` where
+    /// nothing is weighted. With border correction or weights of points, K times the mean of n over |D|.
     pub neighbors: Vec<f64>,
     /// Where the errors come from.
     pub errors: ErrorSource,
@@ -54,8 +57,16 @@ impl KFunction {
             // dL = dK L / (d K)
             l_se.push((value > 0.0).then(|| se * radius / (dim as f64 * value)));
         }
-        let neighbors = k.iter().map(|k| mean_points / measure * k).collect();
+        let points = mean_points * counts.realizations as f64;
+        let others = if plan.border() || plan.masses {
+            mean_points
+        } else {
+            cumulative.norm(0)[normalization as usize].sum as f64 / points
+        };
+        let neighbors = k.iter().map(|k| others / measure * k).collect();
+        let r = plan.bins.edges()[1..].to_vec();
+        let l_minus_r = l.iter().zip(&r).map(|(l, r)| l - r).collect();
         let errors = ErrorSource::of(counts.realizations);
-        Some(Self { r: plan.bins.edges()[1..].to_vec(), k, k_se, l, l_se, neighbors, errors, normalization })
+        Some(Self { r, k, k_se, l, l_se, l_minus_r, neighbors, errors, normalization })
     }
 }

@@ -12,7 +12,7 @@ mod radial_spectrum;
 mod ratio;
 mod vector_correlation;
 
-pub use cross_correlation::{CrossCorrelation, CrossCounts};
+pub use cross_correlation::CrossCorrelation;
 pub use cross_validation::CrossValidation;
 pub use envelope::{Curve, Envelope};
 pub use k_function::KFunction;

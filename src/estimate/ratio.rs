@@ -68,7 +68,7 @@ pub(super) fn ratio_of(
 fn residuals(realizations: u64, ratios: &Ratios, bin: usize, which: usize, sum_c: f64, sum_norm: f64) -> f64 {
     let k = u128::from(realizations);
     let (norm, c2, c_norm) = (ratios.norm(bin)[which], ratios.squares[bin], ratios.products[bin][which]);
-    if k.checked_mul(norm.square) == norm.moment.checked_mul(norm.moment) {
+    if k.checked_mul(norm.square).is_some_and(|a| Some(a) == norm.moment.checked_mul(norm.moment)) {
         // Equal N: K sum c^2 - (sum c)^2 in integers, so that identical realizations have no error at all.
         let c = c_norm.checked_div(norm.moment / k).unwrap_or(0);
         if let (Some(a), Some(b)) = (k.checked_mul(c2), c.checked_mul(c)) {

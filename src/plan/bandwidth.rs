@@ -104,7 +104,7 @@ impl BandwidthSearch {
         ensemble: EnsembleShape,
     ) -> Result<Self> {
         let spacing = spacing(domain, ensemble.mean_points);
-        let settings = settings.into();
+        let settings = PairSettings { cumulative: false, ..settings.into() };
         let limit = longest_distance(domain, settings.correction);
         let largest = (SEARCHED[1] * spacing).min(0.5 * limit / shape.reach());
         let range = (r[1] + shape.reach() * largest).min(limit);

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{EnsembleShape, RadialBins};
+use super::{Batch, EnsembleShape, RadialBins};
 use crate::error::Result;
 use crate::points::Domain;
 
@@ -17,6 +17,10 @@ pub struct NeighborPlan {
     pub thresholds: Vec<u128>,
     /// The points from which F looks.
     pub probes: ProbeLattice,
+    /// Whether bonds are wanted.
+    pub bonds: bool,
+    /// Realizations worked on at a time.
+    pub batch: Batch,
 }
 
 impl NeighborPlan {
@@ -34,11 +38,15 @@ impl NeighborPlan {
                 &default
             }
         };
+        // Three u64 axes, kept and sorted into a tree.
+        let batch = Batch::new(shape.realizations, shape.max_points * 72);
         Ok(Self {
             domain: domain.clone(),
             r: bins.edges().to_vec(),
             thresholds: bins.thresholds(domain)?,
             probes: ProbeLattice::new(domain, shape),
+            bonds: true,
+            batch,
         })
     }
 }

@@ -71,6 +71,8 @@ pub struct PairPlan {
     pub masses: bool,
     /// Which pairs are looked at: by default what suits the CPU (`PairSearch::choose`).
     pub search: PairSearch,
+    /// What that was chosen by.
+    pub costs: SearchCosts,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -90,13 +92,19 @@ impl PairPlan {
         check_r_max(domain, correction, beyond_half, bins.r_max())?;
         let thresholds = bins.thresholds(domain)?;
         let filter = BinFilter::new(&bins, domain);
-        // Points (three u64 axes twice) and a histogram with weights per realization.
-        let bytes = shape.max_points * 48 + bins.len() as u64 * 40;
+        // Points (three u64 axes, once more sorted and rounded, and what they weigh), and a histogram with what is on its way.
+        let per_bin = match correction {
+            Correction::Border => 72,
+            Correction::None if !masses => 24,
+            _ => 56,
+        };
+        let bytes = shape.max_points * 72 + bins.len() as u64 * per_bin;
         let batch = Batch::new(shape.realizations, bytes);
         let beyond = thresholds[bins.len()];
         let search = PairSearch::choose(domain, beyond, shape.mean_points, &filter, &SearchCosts::CPU);
+        let costs = SearchCosts::CPU;
         let domain = domain.clone();
-        Ok(Self { domain, bins, thresholds, filter, correction, cumulative, masses, search, shape, batch })
+        Ok(Self { domain, bins, thresholds, filter, correction, cumulative, masses, search, costs, shape, batch })
     }
 
     /// The default `r_max`: 8 closest-packing distances, at most half the shortest side.
@@ -123,6 +131,13 @@ impl PairPlan {
     /// Whether pairs are also counted from points deep inside the window.
     pub fn border(&self) -> bool {
         self.correction == Correction::Border
+    }
+
+    /// The same with the search that suits a device with these costs.
+    pub fn with_costs(self, costs: SearchCosts) -> Self {
+        let beyond = self.thresholds[self.bins.len()];
+        let search = PairSearch::choose(&self.domain, beyond, self.shape.mean_points, &self.filter, &costs);
+        Self { search, costs, ..self }
     }
 
     /// Every search there is to choose from, as it would be on a device with these costs: per realization.
@@ -208,9 +223,9 @@ impl fmt::Display for PairPlan {
         )?;
         writeln!(f, "  exact: {filter} decides pairs clear of an edge, 128-bit integers the rest")?;
         writeln!(f, "  {}", self.batch)?;
-        let searches = self.searches(&SearchCosts::CPU);
+        let searches = self.searches(&self.costs);
         if let Some(chosen) = searches.iter().find(|s| s.search == self.search) {
-            writeln!(f, "  search on the CPU: {chosen} per realization")?;
+            writeln!(f, "  search on {}: {chosen} per realization", self.costs.device)?;
         }
         for other in searches.iter().filter(|s| s.search != self.search) {
             writeln!(f, "    instead of {other}")?;

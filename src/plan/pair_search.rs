@@ -17,6 +17,8 @@ pub enum PairSearch {
 /// What the parts of a search take on a device, in nanoseconds of one thread (a GPU as a whole counts as one).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchCosts {
+    /// The device, in words.
+    pub device: &'static str,
     /// Looking at one pair, with bins that are found by a square root.
     pub pair: f64,
     /// The same with bins from a table.
@@ -41,6 +43,7 @@ impl SearchCosts {
     /// Fitted to the times that `benches/pair_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512). Only
     /// ratios matter, and those are much the same on other processors.
     pub const CPU: Self = Self {
+        device: "the CPU, one thread",
         pair: 0.44,
         pair_by_table: 2.0,
         row: 23.0,
@@ -56,6 +59,7 @@ impl SearchCosts {
     /// file of a lane, so a partner of few rows costs as much as some pairs more; the host finds the ranges, at about what
     /// they cost on the CPU path.
     pub const GPU: Self = Self {
+        device: "a GPU, by reasoned costs",
         pair: 0.002,
         pair_by_table: 0.006,
         row: 0.01,
@@ -75,7 +79,7 @@ pub struct SearchEstimate {
     pub search: PairSearch,
     /// Unordered pairs looked at.
     pub pairs: f64,
-    /// Seconds on one thread of the machine that the costs were measured on.
+    /// Seconds on the machine that the costs are of.
     pub seconds: f64,
 }
 
@@ -141,7 +145,7 @@ impl PairSearch {
 
 impl fmt::Display for SearchEstimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {:.3e} pairs looked at, about {:.2e} s of one thread", self.search, self.pairs, self.seconds)
+        write!(f, "{}: {:.3e} pairs looked at, about {:.2e} s", self.search, self.pairs, self.seconds)
     }
 }
 

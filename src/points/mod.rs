@@ -114,11 +114,10 @@ impl Ensemble {
     /// largest. That unit drops out of g and K.
     pub fn with_weights(mut self, weights: &[f64]) -> Self {
         let largest = weights.iter().copied().fold(0.0, f64::max);
-        let mut unit = 2f64.powi(libm::ilogb(largest));
-        if unit < largest {
-            unit *= 2.0;
-        }
-        let mass = |w: &f64| (w / unit * f64::from(UNIT_MASS)).round_ties_even() as u32;
+        // Divided by the power of two below first: the one above may not be finite.
+        let below = 2f64.powi(libm::ilogb(largest).clamp(-1022, 1023));
+        let units = if below < largest { 0.5 } else { 1.0 };
+        let mass = |w: &f64| (w / below * units * f64::from(UNIT_MASS)).round_ties_even() as u32;
         self.masses = Some(weights.iter().map(mass).collect());
         self
     }
@@ -266,6 +265,13 @@ fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
     }
 }
 
+/// The nearest multiple of 2^32, in units of it, modulo the period (0 stands for 2^32): what the fast paths read of a position
+/// in steps of 2^-64.
+pub(crate) fn round32(v: u64, period: u32) -> u32 {
+    let rounded = (v.wrapping_add(1 << 31) >> 32) as u32;
+    if period != 0 && rounded >= period { rounded - period } else { rounded }
+}
+
 /// The nearest multiple of 2^-64, modulo 1.
 fn fixed_point(fraction: f64) -> u64 {
     // Scaling by a power of two is exact; u128 holds the one value 2^64 that wraps to 0.
@@ -295,4 +301,20 @@ fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> E
         format!("{name} = {x_text} is outside the window [{lo}, {hi}]; --window x0,x1,y0,y1 sets it")
     };
     Error::input(set.place(j), reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::round32;
+
+    #[test]
+    fn rounding_stays_below_the_period() {
+        assert_eq!(round32(u64::MAX, 0), 0);
+        assert_eq!(round32(1 << 31, 0), 1);
+        let period = (5 << 32) + (3 << 30);
+        let rounded = round32(period, 0);
+        assert_eq!(rounded, 6);
+        assert_eq!(round32(period - 1, rounded), 0, "6 = the rounded period");
+        assert_eq!(round32(4 << 32, rounded), 4);
+    }
 }

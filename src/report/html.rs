@@ -262,7 +262,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
              distance <i>r</i> ± half a bin, over the number expected of independent points, with <i>v</i> the \
              measure of the shell and |<i>D</i>| that of the domain; 1 means no correlation.{kernel}"
         );
-        let caption = caption + &envelope(a);
+        let caption = caption + &envelope(a, &["g", "g_kernel"]);
         figure(html, svg, &caption);
     }
     if let (Some(svg), Some(cross)) = (&pictures.cross, &a.cross) {
@@ -287,7 +287,8 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
             "<i>L</i>(<i>r</i>) − <i>r</i> with <i>L</i> = {root}: <i>λK</i>(<i>r</i>) is the mean number of further points \
              within <i>r</i> of a point. For independent points <i>K</i> is the {ball} of radius <i>r</i>, and \
              <i>L</i> = <i>r</i>; above 0 points have more neighbours than that, below fewer. Values at different <i>r</i> \
-             share their pairs: they are correlated."
+             share their pairs: they are correlated.{}",
+            envelope(a, &["k", "l_minus_r"])
         );
         figure(html, svg, &caption);
     }
@@ -336,8 +337,9 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
             "<i>G</i>(<i>r</i>): the probability that a point has another closer than <i>r</i>. <i>F</i>(<i>r</i>): that a \
              fixed place has a point closer than <i>r</i>, from a lattice of {} test points. Of independent points both are \
              1 − exp(−<i>λ v r<sup>d</sup></i>), with <i>v</i> the measure of the unit ball; <i>G</i> below <i>F</i> means \
-             that points keep apart.{edges}",
-            neighbors.functions.probes
+             that points keep apart.{edges}{}",
+            neighbors.functions.probes,
+            envelope(a, &["neighbor_g", "neighbor_f"])
         );
         figure(html, svg, &caption);
     }
@@ -347,8 +349,8 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
     }
 }
 
-/// What the envelopes say.
-fn envelope(a: &Analysis) -> String {
+/// What the envelopes of these curves say.
+fn envelope(a: &Analysis, names: &[&str]) -> String {
     let Some(e) = &a.envelopes else { return String::new() };
     let mut text = format!(
         " {} simulations of complete spatial randomness with as many points: at one <i>r</i> chosen beforehand, a random \
@@ -356,9 +358,17 @@ fn envelope(a: &Analysis) -> String {
         e.simulations,
         human(e.pointwise_significance())
     );
-    for c in &e.curves {
-        let ([lo, hi], name) =
-            (c.p_interval, if c.observed.name == "g" { "<i>g</i>" } else { "the smoothed <i>g</i>" });
+    for c in e.curves.iter().filter(|c| names.contains(&c.observed.name)) {
+        let [lo, hi] = c.p_interval;
+        let name = match c.observed.name {
+            "g" => "<i>g</i>",
+            "g_kernel" => "the smoothed <i>g</i>",
+            "k" => "<i>K</i>",
+            "l_minus_r" => "<i>L</i> − <i>r</i>",
+            "neighbor_g" => "<i>G</i>",
+            "neighbor_f" => "<i>F</i>",
+            other => other,
+        };
         let verdict = if c.p <= c.alpha { "differs from" } else { "agrees with" };
         let _ = write!(
             text,

@@ -7,7 +7,7 @@ use super::figure::{
 };
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
-use crate::estimate::{ErrorSource, Normalization, SectorCorrelation};
+use crate::estimate::{Envelope, ErrorSource, Normalization, SectorCorrelation};
 use crate::plan::SmoothingKernel;
 
 type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
@@ -69,14 +69,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
     let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let envelope = analysis.envelopes.as_ref().and_then(|e| e.find("g"));
-    if let Some(e) = envelope {
-        let band = e.global[0].iter().zip(&e.global[1]).map(|(&lo, &hi)| lo.is_finite().then_some((lo, hi)));
-        layers.push(Layer::Band {
-            name: "random, global".into(),
-            color: GREY,
-            runs: band_runs(intervals.iter().copied().zip(band)),
-        });
-    }
+    layers.extend(envelope.map(|e| global_band("random, global", &intervals, e)));
     layers.extend([
         Layer::Band {
             name: "±1 s.e.".into(),
@@ -179,14 +172,15 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
     let k = analysis.k_function.as_ref()?;
     let intervals: Vec<_> =
         k.r.iter().enumerate().map(|(b, &r)| (if b == 0 { 0.0 } else { k.r[b - 1] }, r, r)).collect();
-    let values: Vec<(f64, f64)> =
-        k.l.iter().zip(&k.r).zip(&k.l_se).map(|((l, r), se)| (l - r, se.unwrap_or(0.0))).collect();
+    let values: Vec<(f64, f64)> = k.l_minus_r.iter().zip(&k.l_se).map(|(&l, se)| (l, se.unwrap_or(0.0))).collect();
     let reach = values.iter().filter(|v| v.0.is_finite()).flat_map(|&(l, se)| [l - se, l + se]);
     let (lo, hi) = extent(&reach.chain([0.0]).collect::<Vec<_>>())?;
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let defined = |&(l, se): &(f64, f64)| l.is_finite().then_some((l - se, l + se));
-    let layers = vec![
-        Layer::Level { name: "random: L = r".into(), y: 0.0 },
+    let mut layers = vec![Layer::Level { name: "random: L = r".into(), y: 0.0 }];
+    let random = analysis.envelopes.as_ref().and_then(|e| e.find("l_minus_r"));
+    layers.extend(random.map(|e| global_band("random, global", &intervals, e)));
+    layers.extend([
         Layer::Band {
             name: "±1 s.e.".into(),
             color: BLUE,
@@ -199,7 +193,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
             dashed: false,
             runs: runs(intervals.iter().zip(&values).map(|(&x, v)| (x, v.0.is_finite().then_some(v.0)))),
         },
-    ];
+    ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
@@ -379,13 +373,18 @@ pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Svg> {
         Layer::Line { name: name.into(), color, width: 1.6, dashed, runs }
     };
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
-    let layers = vec![
+    let at: Vec<_> = intervals().collect();
+    let envelopes = analysis.envelopes.as_ref();
+    let random = |name, label| envelopes.and_then(|e| e.find(name)).map(|e| global_band(label, &at, e));
+    let mut layers = Vec::new();
+    layers.extend(random("neighbor_g", "G of random, global"));
+    layers.extend([
         Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
         Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },
         curve("G: point to nearest point", BLUE, false, &functions.g),
         curve("F: place to nearest point", VERMILION, false, &functions.f),
         curve("Poisson: G = F", INK, true, &poisson),
-    ];
+    ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
@@ -404,6 +403,13 @@ pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Svg> {
         layers,
     };
     Some(figure.svg())
+}
+
+/// The global envelope of complete spatial randomness.
+fn global_band(name: &str, intervals: &[(f64, f64, f64)], envelope: &Envelope) -> Layer {
+    let range = |(&lo, &hi): (&f64, &f64)| lo.is_finite().then_some((lo, hi));
+    let band = envelope.global[0].iter().zip(&envelope.global[1]).map(range);
+    Layer::Band { name: name.into(), color: GREY, runs: band_runs(intervals.iter().copied().zip(band)) }
 }
 
 fn closed_name(analysis: &Analysis) -> String {

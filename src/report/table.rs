@@ -78,7 +78,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
             .floats("k_se", k.k_se.iter().copied())
             .floats("l", k.l.iter().copied())
             .optional("l_se", k.l_se.iter().copied())
-            .floats("l_minus_r", k.l.iter().zip(&k.r).map(|(l, r)| l - r))
+            .floats("l_minus_r", k.l_minus_r.iter().copied())
             .floats("neighbors", k.neighbors.iter().copied()),
     )
 }

@@ -16,7 +16,7 @@ use crate::accumulate::{LagCounts, PairHistogram};
 use crate::compute::{Compute, Control, reference};
 use crate::error::Result;
 use crate::plan::LagPlan;
-use crate::points::Ensemble;
+use crate::points::{Ensemble, round32};
 
 /// Rows per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
 const BLOCK: usize = 64;
@@ -114,12 +114,6 @@ impl<'a> Set<'a> {
     fn blocks(&self) -> usize {
         self.n.div_ceil(BLOCK)
     }
-}
-
-/// The nearest multiple of 2^32, in units of it, modulo the period (0 stands for 2^32).
-fn round32(v: u64, period: u32) -> u32 {
-    let rounded = (v.wrapping_add(1 << 31) >> 32) as u32;
-    if period != 0 && rounded >= period { rounded - period } else { rounded }
 }
 
 /// The sums of one thread.

@@ -13,7 +13,7 @@ use crate::accumulate::{LagCounts, PairHistogram};
 use crate::compute::{Compute, Control};
 use crate::error::Result;
 use crate::plan::LagPlan;
-use crate::points::Ensemble;
+use crate::points::{Ensemble, round32};
 
 const NAME: &str = "lag_counts";
 /// Invocations, and points of a tile. Wide, since histograms of lags are large and few workgroups share a processor.
@@ -65,7 +65,7 @@ fn params(plan: &LagPlan) -> (LagParams, Vec<[u32; 2]>) {
     let mut params = LagParams { offset: [0.5; 4], ..LagParams::default() };
     let mut thresholds = Vec::new();
     for (axis, period) in plan.domain.periods().into_iter().enumerate() {
-        params.side_rounded[axis] = (period.wrapping_add(1 << 31) >> 32) as u32;
+        params.side_rounded[axis] = round32(period, 0);
         [params.side_low[axis], params.side_high[axis]] = words(period);
         let f = &plan.filter;
         params.scale[axis] = f.scale[axis];

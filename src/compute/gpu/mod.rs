@@ -26,7 +26,7 @@ pub use probe::{Check, Verdict};
 use super::{Backend, Compute, ComputedBy, Control};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{LagPlan, PairPlan, PairSearch, WaveGrid, WavePlan};
+use crate::plan::{LagPlan, PairPlan, PairSearch, SearchCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -170,6 +170,10 @@ impl Compute for GpuCompute {
 
     fn supports_wave_power(&self, plan: &WavePlan) -> Result<(), String> {
         wave_power::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    }
+
+    fn search_costs(&self) -> SearchCosts {
+        SearchCosts::GPU
     }
 
     fn supports_pair_counts(&self, plan: &PairPlan) -> Result<(), String> {

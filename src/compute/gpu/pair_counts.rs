@@ -13,15 +13,15 @@ use crate::accumulate::PairCounts;
 use crate::compute::{Compute, Control};
 use crate::error::Result;
 use crate::plan::{BinFilter, PairPlan, PairSearch, SearchCosts};
-use crate::points::Ensemble;
+use crate::points::{Ensemble, round32};
 
 pub(super) const NAME: &str = "pair_counts";
 
 /// Which pairs are looked at on this device.
 fn search(compute: &GpuCompute, plan: &PairPlan) -> PairSearch {
-    let beyond = plan.thresholds[plan.bins.len()];
-    let choose = || PairSearch::choose(&plan.domain, beyond, plan.shape.mean_points, &plan.filter, &SearchCosts::GPU);
-    let search = compute.tuning.search.unwrap_or_else(choose);
+    let chosen =
+        || if plan.costs == SearchCosts::GPU { plan.search } else { plan.clone().with_costs(SearchCosts::GPU).search };
+    let search = compute.tuning.search.unwrap_or_else(chosen);
     // Every device has buffers enough to look at all pairs; for cells there are some more.
     let bindings = pair_specs::cell_pairs(plan, u32::MAX).bindings.len() as u32 - 1;
     if bindings > compute.gpu().limits.max_storage_buffers_per_shader_stage { PairSearch::All } else { search }
@@ -162,7 +162,7 @@ impl Run<'_> {
 fn params(plan: &PairPlan) -> PairParams {
     let sides = plan.domain.side_steps();
     let mut params = PairParams {
-        side_rounded: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| (s.wrapping_add(1 << 31) >> 32) as u32)),
+        side_rounded: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| round32(s, 0))),
         side_low: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| s as u32)),
         side_high: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| (s >> 32) as u32)),
         ..PairParams::default()
@@ -224,7 +224,8 @@ impl Points {
         let domain = ensemble.domain();
         for (axis, &period) in domain.periods().iter().enumerate().take(domain.dim()) {
             let axis = &ensemble.all_lengths(axis)[points.clone()];
-            short.extend(axis.iter().map(|&x| rounded(x, period)));
+            let rounded = round32(period, 0);
+            short.extend(axis.iter().map(|&x| round32(x, rounded)));
             // Low word first, as the kernel reads it.
             long.extend(axis.iter().map(|&x| [x as u32, (x >> 32) as u32]));
         }
@@ -243,26 +244,5 @@ impl Points {
             plan.border().then(|| range.clone().flat_map(|k| depths(plan, &ensemble.lengths(k))).collect());
         let depths = depths.map(|m| compute.gpu().upload("depths", &m, compute.tuning.fill));
         Self { depths, ..Self::upload(compute, ensemble, range) }
-    }
-}
-
-/// The nearest multiple of 2^32, modulo the period (0 stands for 2^64), in units of 2^32.
-fn rounded(position: u64, period: u64) -> u32 {
-    let round = |v: u64| (v.wrapping_add(1 << 31) >> 32) as u32;
-    let (position, period) = (round(position), round(period));
-    if position == period { 0 } else { position }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounding_stays_below_the_period() {
-        assert_eq!(rounded(u64::MAX, 0), 0);
-        assert_eq!(rounded(1 << 31, 0), 1);
-        let period = (5 << 32) + (3 << 30);
-        assert_eq!(rounded(period - 1, period), 0, "6 = the rounded period");
-        assert_eq!(rounded(4 << 32, period), 4);
     }
 }

@@ -10,7 +10,9 @@ use super::params::{PROBE, ProbeInput, ProbeOutput, ProbeParams};
 use crate::compute::reference::Reference;
 use crate::compute::{Compute, Control};
 use crate::error::Result;
-use crate::plan::{Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, PairPlan, RadialBins, WaveGrid, WavePlan};
+use crate::plan::{
+    Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan,
+};
 use crate::points::{Domain, Ensemble, RawPoints};
 
 const NAME: &str = "probe";
@@ -84,6 +86,7 @@ pub(super) fn check(compute: &GpuCompute) -> Verdict {
     ask("pairs over several wide tiles, bins in global memory", wide_pairs(compute));
     ask("pairs of points sorted into cells", cell_pairs(compute));
     ask("edge weights in a window", edge_weights(compute));
+    ask("lags on edges", edge_lags(compute));
     ask("power of a rank-1 lattice", lattice_power(compute));
     ask("power over several chunks of points", chunked_power(compute));
     ask("power in three dimensions", box_power(compute));
@@ -221,15 +224,32 @@ fn box_pairs(compute: &GpuCompute) -> Result<Result<String, String>> {
 fn edge_weights(compute: &GpuCompute) -> Result<Result<String, String>> {
     let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)])?;
     let (ensemble, shape) = ensemble(&window, &[uniform(200, 2)])?;
-    let plan = PairPlan::new(&window, RadialBins::linear(0.7, 300)?, Correction::Isotropic, shape)?;
-    let truth = Reference.pair_counts(&plan, &ensemble, &Control::default())?;
-    let here = compute.pair_counts(&plan, &ensemble, &Control::default())?;
-    let mut worst = 0f64;
-    for (&a, &b) in truth.bins.sums.iter().zip(&here.bins.sums) {
-        worst = worst.max(a.abs_diff(b) as f64 / (a as f64).max(1.0));
+    let (mut worst, mut exact) = (0f64, true);
+    for (correction, r_max) in [(Correction::Isotropic, 0.7), (Correction::Translation, 0.7), (Correction::Border, 0.4)]
+    {
+        let plan = PairPlan::new(&window, RadialBins::linear(r_max, 300)?, correction, shape)?;
+        let truth = Reference.pair_counts(&plan, &ensemble, &Control::default())?;
+        let here = compute.pair_counts(&plan, &ensemble, &Control::default())?;
+        for (&a, &b) in truth.bins.sums.iter().zip(&here.bins.sums) {
+            worst = worst.max(a.abs_diff(b) as f64 / (a as f64).max(1.0));
+        }
+        exact &= truth.counts == here.counts && (plan.weighted() || truth.bins == here.bins);
     }
     let found = format!("sums are off by {worst:.1e}, promised {GPU_WEIGHT_BOUND:.0e}");
-    Ok(if worst <= GPU_WEIGHT_BOUND && truth.counts == here.counts { Ok(found) } else { Err(found) })
+    Ok(if worst <= GPU_WEIGHT_BOUND && exact { Ok(found) } else { Err(found) })
+}
+
+/// Lags of a lattice on a torus of unequal sides, on edges and of half a period, and of scattered points.
+fn edge_lags(compute: &GpuCompute) -> Result<Result<String, String>> {
+    let torus = Domain::torus(&[1.0, 0.75])?;
+    let lattice = (0..64u32).flat_map(|i| [f64::from(i % 8) / 8.0, f64::from(i / 8) * 0.75 / 8.0]).collect();
+    let (ensemble, shape) = ensemble(&torus, &[lattice, uniform(300, 2)])?;
+    let plan = LagPlan::new(&torus, LagGrid::new(&torus, 16, None)?, Correction::None, None, shape)?;
+    let truth = Reference.lag_counts(&plan, &ensemble, &Control::default())?;
+    let here = compute.lag_counts(&plan, &ensemble, &Control::default())?;
+    let wrong = truth.cells.sums.iter().zip(&here.cells.sums).filter(|(a, b)| a != b).count();
+    let found = format!("{wrong} of {} cells are wrong", truth.cells.sums.len());
+    Ok(if wrong == 0 { Ok(found) } else { Err(found) })
 }
 
 fn power(compute: &GpuCompute, domain: &Domain, grid: &[u32], sets: &[Vec<f64>]) -> Result<Result<String, String>> {

@@ -11,7 +11,7 @@ mod search;
 use rayon::prelude::*;
 
 use super::Control;
-use crate::accumulate::{Distances, NeighborSums, RealizationNeighbors};
+use crate::accumulate::{Bonds, Distances, NeighborSums, RealizationNeighbors};
 use crate::error::Result;
 use crate::plan::NeighborPlan;
 use crate::points::{Domain, Ensemble};
@@ -25,8 +25,7 @@ pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control
         let axes = ensemble.lengths(k);
         let n = ensemble.points_in(k) as u64;
         // The triangulation runs on one thread, the search on all that are left.
-        let (bonds, nearest) =
-            rayon::join(|| bonds::bonds(&axes, &plan.domain, control), || Nearest::find(plan, &axes, control));
+        let (bonds, nearest) = rayon::join(|| bonds(plan, &axes, control), || Nearest::find(plan, &axes, control));
         let nearest = nearest?;
         let one = RealizationNeighbors {
             index: ensemble.first_index() + k as u64,
@@ -48,6 +47,10 @@ pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control
             Ok(a)
         },
     )
+}
+
+fn bonds(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<std::result::Result<Bonds, &'static str>> {
+    if plan.bonds { bonds::bonds(axes, &plan.domain, control) } else { Ok(Err("not asked for")) }
 }
 
 /// Minimum and mean of the squared distances, which come in one order, whatever threads found them.

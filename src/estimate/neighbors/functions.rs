@@ -86,7 +86,7 @@ fn estimate(sums: &DistributionSums, i: usize, points: f64) -> Estimate {
 fn residuals(sums: &DistributionSums, i: usize) -> f64 {
     let k = u128::from(sums.realizations);
     let (sum, square, product) = (sums.counts[i], sums.squares[i], sums.products[i]);
-    if k.checked_mul(sums.squared_points) == sums.points.checked_mul(sums.points) {
+    if k.checked_mul(sums.squared_points).is_some_and(|a| Some(a) == sums.points.checked_mul(sums.points)) {
         // Equal N: K sum c^2 - (sum c)^2 in integers, so that identical realizations have no error at all.
         if let (Some(a), Some(b)) = (k.checked_mul(square), sum.checked_mul(sum)) {
             return a.saturating_sub(b) as f64 / k as f64;
