@@ -39,7 +39,7 @@ fn main() {
                 // What is estimated to be many times slower is not the fastest; the sweep stays short.
                 searches.retain(|s| s.seconds <= 5.0 * least);
                 let mut times = vec![f64::INFINITY; searches.len()];
-                let repetitions = (0.02 / (least * k as f64)).clamp(3.0, 20.0) as usize;
+                let repetitions = (0.05 / (least * k as f64)).clamp(5.0, 30.0) as usize;
                 for _ in 0..repetitions {
                     for (time, estimate) in times.iter_mut().zip(&searches) {
                         let plan = PairPlan { search: estimate.search, ..plan.clone() };

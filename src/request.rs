@@ -145,9 +145,9 @@ pub struct Request {
     #[arg(long)]
     pub beyond_half: bool,
 
-    /// The two classes whose g is wanted [default: the two there are]
-    #[arg(long, value_name = "A,B", value_delimiter = ',', requires = "class_column")]
-    pub classes: Option<Vec<String>>,
+    /// The two classes whose g is wanted, as a line of CSV [default: the two there are]
+    #[arg(long, value_name = "A,B", requires = "class_column")]
+    pub classes: Option<String>,
 
     /// Bins per axis of the vector g [default: 64]
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
@@ -165,7 +165,7 @@ pub struct Request {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub envelope: Option<u64>,
 
-    /// What pairs are divided by: n(n-1) or n^2
+    /// What pairs are divided by: n(n-1) or n^2 (with border correction n times the points deep enough inside, either way)
     #[arg(long, value_enum, default_value = "pairs")]
     pub normalization: Normalization,
 

@@ -272,6 +272,27 @@ fn bonds(domain: &Domain, points: &[f64]) -> Result<pairwave::estimate::BondOrde
 }
 
 /// Rows of the hexagonal lattice on a torus of sides `columns` and `rows sqrt(3)/2`; rows must be even.
+/// Lines on which a triangulation would take quadratic time, with some points beside them; a lattice is no such thing.
+#[test]
+fn many_points_on_a_line_are_refused() {
+    let reason = Err("a quarter of the points or more lie on one line");
+    let line = |slope: f64, n: u32| {
+        (0..n).flat_map(move |i| [f64::from(i) / f64::from(n), slope * f64::from(i) / f64::from(n)])
+    };
+    let beside = [0.3, 0.7, 0.6, 0.2];
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+    for domain in [Domain::unit_torus(2), window] {
+        for slope in [0.0, 0.25] {
+            let points: Vec<f64> = line(slope, 20_000).chain(beside).collect();
+            assert_eq!(bonds(&domain, &points), reason);
+        }
+        let half: Vec<f64> = line(0.25, 2000).chain(uniform(2, 3000, 1).coordinates).collect();
+        assert_eq!(bonds(&domain, &half), reason);
+        let lattice: Vec<f64> = (0..3600).flat_map(|i| [f64::from(i % 60) / 60.0, f64::from(i / 60) / 60.0]).collect();
+        assert!(bonds(&domain, &lattice).is_ok());
+    }
+}
+
 fn hexagonal(columns: usize, rows: usize) -> (Domain, Vec<f64>) {
     let height = 3f64.sqrt() / 2.0;
     let place = |row: usize, column: usize| [column as f64 + 0.5 * (row % 2) as f64 + 0.1, (row as f64 + 0.1) * height];

@@ -26,9 +26,10 @@ impl Classes {
             format!("{}{more}", names[..names.len().min(SHOWN)].join(", "))
         };
         let number = |name: &str| names.iter().position(|n| n == name).map(|k| k as u32);
-        let typed = request.classes.as_ref().map_or("(none)".into(), |c| c.join(","));
+        let typed = request.classes.clone().unwrap_or("(none)".into());
+        let wanted = request.classes.as_deref().map(fields);
         let fail = |reason: String| Err(Error::setting("--classes", &typed, reason));
-        let numbers = match (request.classes.as_deref(), names) {
+        let numbers = match (wanted.as_deref(), names) {
             (None, [_, _]) => [0, 1],
             (None, _) => return fail(format!("expected two of the {} classes: {}", names.len(), listed())),
             (Some([a, b]), _) if a == b => return fail("expected two different classes".into()),
@@ -68,6 +69,13 @@ impl Classes {
         }
         Ok(sums)
     }
+}
+
+/// The fields of a line of CSV.
+fn fields(line: &str) -> Vec<String> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(line.as_bytes());
+    let first = reader.records().next().and_then(|record| record.ok());
+    first.map_or(Vec::new(), |record| record.iter().map(str::to_string).collect())
 }
 
 impl fmt::Display for Classes {

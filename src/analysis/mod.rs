@@ -15,13 +15,14 @@ use measure::{Input, Measured, measure};
 pub use plan::Plan;
 use plan::check_points;
 
+use crate::accumulate::LagCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
     RadialSpectrum, VectorCorrelation,
 };
-use crate::plan::{Accuracy, Correction, EnsembleShape};
+use crate::plan::{Accuracy, Correction, EnsembleShape, LagPlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -238,8 +239,11 @@ pub fn run(
     let cross = plan.classes.as_ref().zip(sums.cross.as_ref()).map(|(classes, sums)| {
         CrossCorrelation::new(classes.names.clone(), &classes.pairs, sums, request.normalization)
     });
-    let lags = plan.lags.as_ref().zip(sums.lags.as_ref());
-    let vector = lags.map(|(plan, sums)| VectorCorrelation::new(plan, sums, request.normalization));
+    let vector_of = |plan: &Option<LagPlan>, sums: &Option<LagCounts>| {
+        Some(VectorCorrelation::new(plan.as_ref()?, sums.as_ref()?, request.normalization))
+    };
+    let rings = vector_of(&plan.rings, &sums.rings).map_or(Vec::new(), |rings| rings.sectors);
+    let vector = vector_of(&plan.lags, &sums.lags).map(|v| VectorCorrelation { sectors: rings, ..v });
     let spectrum = plan.waves.as_ref().zip(sums.waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
     let radial = match (&plan.waves, &sums.waves, &spectrum) {
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),

@@ -27,6 +27,8 @@ pub struct Plan {
     /// A pass before that, to find its bandwidth; until then it is Stoyan's.
     pub(super) search: Option<BandwidthSearch>,
     pub(super) lags: Option<LagPlan>,
+    /// The rings of g of the vector, on a finer grid of their own.
+    pub(super) rings: Option<LagPlan>,
     pub(super) waves: Option<WavePlan>,
     pub(super) neighbors: Option<NeighborPlan>,
     /// Whether the grid itself is wanted, not only its rings.
@@ -35,6 +37,9 @@ pub struct Plan {
     pub(super) simulations: u64,
     pub(super) batch: u64,
 }
+
+/// Bins per axis of the grid behind rings.
+const RING_GRID: usize = 256;
 
 /// Values of simulated curves held at a time: 1 GiB.
 const MAX_SIMULATED: u64 = 1 << 27;
@@ -87,6 +92,7 @@ impl Plan {
             }
         })?;
         let lags = wants(Statistic::PcfVector).then(|| lags(request, domain, correction, shape)).transpose()?;
+        let rings = lags.as_ref().map(|lags| rings(request, lags)).transpose()?.flatten();
         let bins = pairs.as_ref().map(|p| &p.bins);
         let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
@@ -105,6 +111,7 @@ impl Plan {
             kernel.as_ref().map(|k| k.pairs.batch),
             search.as_ref().map(|s| s.pairs.batch),
             lags.as_ref().map(|l| l.batch),
+            rings.as_ref().map(|l| l.batch),
             waves.as_ref().map(|w| w.batch),
             neighbors.as_ref().map(|n| n.batch),
         ];
@@ -120,7 +127,20 @@ impl Plan {
                 format!("simulated points would have no weights, those of the file have (--weight-column {column})");
             return Err(Error::setting("--envelope", n, reason));
         }
-        Ok(Self { pcf, pairs, kernel, search, classes: None, lags, waves, neighbors, grid_wanted, simulations, batch })
+        Ok(Self {
+            pcf,
+            pairs,
+            kernel,
+            search,
+            classes: None,
+            lags,
+            rings,
+            waves,
+            neighbors,
+            grid_wanted,
+            simulations,
+            batch,
+        })
     }
 
     /// The same plan for points of the classes with these names (`Source::classes`), of which there are none without
@@ -148,7 +168,16 @@ impl Plan {
     /// What a simulation for envelopes needs of it.
     pub(super) fn of_simulations(&self) -> Self {
         let neighbors = self.neighbors.clone().map(|n| NeighborPlan { bonds: false, ..n });
-        Self { classes: None, lags: None, waves: None, neighbors, grid_wanted: false, simulations: 0, ..self.clone() }
+        Self {
+            classes: None,
+            lags: None,
+            rings: None,
+            waves: None,
+            neighbors,
+            grid_wanted: false,
+            simulations: 0,
+            ..self.clone()
+        }
     }
 }
 
@@ -246,6 +275,9 @@ impl fmt::Display for Plan {
         if let Some(lags) = &self.lags {
             write!(f, "{lags}")?;
         }
+        if let Some(rings) = &self.rings {
+            write!(f, "along rings: {rings}")?;
+        }
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
         }
@@ -290,7 +322,34 @@ fn lags(request: &Request, domain: &Domain, correction: Correction, shape: Ensem
         }
         other => other,
     };
-    LagPlan::new(domain, grid, correction, request.lag_rings.as_deref(), shape)
+    // Rings have a grid of their own.
+    LagPlan::new(domain, grid, correction, (domain.dim() == 2).then_some(&[]), shape)
+}
+
+/// The rings along which g of the vector is followed, in 2D: by default at 1, 2 and 3 closest-packing distances, as far as
+/// they fit. Their cells are so small that g hardly changes within one, and the grid ends beyond the largest.
+fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
+    let (domain, shape) = (&lags.domain, lags.shape);
+    let limit = domain.shortest_side() / if domain.is_torus() { 2.0 } else { 1.0 };
+    let radii = match &request.lag_rings {
+        None if domain.dim() != 2 => return Ok(None),
+        // Refused, in its own words.
+        Some(radii) if domain.dim() != 2 => {
+            return LagPlan::new(domain, lags.grid.clone(), lags.correction, Some(radii), shape).map(Some);
+        }
+        Some(radii) => radii.clone(),
+        None => {
+            let unit = domain.closest_packing_distance(shape.mean_points);
+            [1.0, 2.0, 3.0].map(|k| k * unit).into_iter().filter(|r| 1.01 * r < limit).collect()
+        }
+    };
+    let largest = radii.iter().copied().fold(0.0, f64::max);
+    if radii.is_empty() {
+        return Ok(None);
+    }
+    let half = if largest > 0.0 { (1.01 * largest).min(limit) } else { limit };
+    let grid = LagGrid::new(domain, RING_GRID, Some(half))?;
+    LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
 }
 
 /// The bins a request asks for.

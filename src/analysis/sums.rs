@@ -14,6 +14,7 @@ pub(super) struct Sums {
     pub(super) cross: Option<CrossCounts>,
     pub(super) kernel: Option<KernelSums>,
     pub(super) lags: Option<LagCounts>,
+    pub(super) rings: Option<LagCounts>,
     pub(super) waves: Option<WavePower>,
     pub(super) neighbors: Option<NeighborSums>,
 }
@@ -51,11 +52,13 @@ impl Sums {
                 Ok(())
             })?;
         }
-        if let Some(plan) = &plan.lags {
-            stage("lag_counts", &mut || {
-                sums.lags = Some(device.lag_counts(plan, batch, control)?);
-                Ok(())
-            })?;
+        for (plan, sums) in [(&plan.lags, &mut sums.lags), (&plan.rings, &mut sums.rings)] {
+            if let Some(plan) = plan {
+                stage("lag_counts", &mut || {
+                    *sums = Some(device.lag_counts(plan, batch, control)?);
+                    Ok(())
+                })?;
+            }
         }
         if let Some(plan) = &plan.waves {
             stage("wave_power", &mut || {
@@ -78,6 +81,7 @@ impl Sums {
         merge(&mut self.cross, next.cross, |a, b| a.merge(&b))?;
         merge(&mut self.kernel, next.kernel, |a, b| a.merge(b))?;
         merge(&mut self.lags, next.lags, |a, b| a.merge(&b))?;
+        merge(&mut self.rings, next.rings, |a, b| a.merge(&b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }

@@ -434,7 +434,7 @@ fn vector_figures(
             writeln!(html, "<p>{definition}. In one dimension it is <i>g</i>(<i>r</i>) at <i>r</i> = |<i>h</i>|.</p>");
     }
     if let Some(svg) = &pictures.pcf_angular {
-        let caption = "The same along rings two cells wide, by direction: ordered pairs over expected ones in the cells whose \
+        let caption = "The same along rings, by direction: ordered pairs over expected ones in the cells of a finer grid whose \
              centres lie in a ring and a sector. Opposite directions are the same. An isotropic pattern has level lines, up to \
              what <i>g</i> changes from cell to cell: finer cells make that less.";
         figure(html, svg, caption);

@@ -53,6 +53,9 @@ pub(super) fn bonds(axes: &[&[u64]], domain: &Domain, control: &Control) -> Resu
     if on_a_line(x, y) {
         return Ok(Err("the points lie on one line"));
     }
+    if many_on_a_line(x, y) {
+        return Ok(Err("a quarter of the points or more lie on one line"));
+    }
     if !domain.is_torus() {
         let sites = x.iter().zip(y).map(|(&x, &y)| Site { position: Point2::new(x as f64, y as f64), own: true });
         return Ok(order(&triangulate(sites.collect())));
@@ -89,6 +92,28 @@ fn on_a_line(x: &[u64], y: &[u64]) -> bool {
     let far = (0..x.len()).map(offset).max_by(|a, b| square(*a).total_cmp(&square(*b))).unwrap_or([0.0; 2]);
     let beside = |[dx, dy]: [f64; 2]| (dx * far[1] - dy * far[0]).abs();
     (0..x.len()).map(offset).all(|p| beside(p) <= 1e-9 * square(far))
+}
+
+/// Whether a quarter of many points or more lie on one line, on which the triangulation would take quadratic time. Lines are
+/// tried through pairs of points; one that holds a quarter is met by one pair in 16.
+fn many_on_a_line(x: &[u64], y: &[u64]) -> bool {
+    const MANY: usize = 2048;
+    const TRIED: usize = 64;
+    let n = x.len();
+    let offset = |i: usize, j: usize| [x, y].map(|axis| (i128::from(axis[i]) - i128::from(axis[j])) as f64);
+    let holds_many = |k: usize| {
+        // Spread by the golden ratio, so that neither neighbours in a file nor every other point are favoured.
+        let pick = |k: usize| (k as f64 * 0.618_033_988_749_895).fract() * n as f64;
+        let (i, j) = (pick(2 * k + 1) as usize, pick(2 * k + 2) as usize);
+        let [ax, ay] = offset(j, i);
+        let square = ax * ax + ay * ay;
+        let on_line = |p: &usize| {
+            let [dx, dy] = offset(*p, i);
+            (dx * ay - dy * ax).abs() <= 1e-9 * square
+        };
+        square > 0.0 && (0..n).filter(on_line).count() >= n / 4
+    };
+    n >= MANY && (0..TRIED).any(holds_many)
 }
 
 fn triangulate(sites: Vec<Site>) -> DelaunayTriangulation<Site> {

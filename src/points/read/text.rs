@@ -275,7 +275,8 @@ impl<'a> Parser<'a> {
             if field.is_empty() {
                 return self.fail(line, format!("no class in column {}", column + 1));
             }
-            self.labels.push(String::from_utf8_lossy(field).into_owned());
+            // Within quotes a quote is written twice.
+            self.labels.push(String::from_utf8_lossy(field).replace("\"\"", "\""));
         }
         self.lines.push(line);
         Ok(())
