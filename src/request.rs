@@ -157,7 +157,7 @@ pub struct Request {
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub lag_max: Option<f64>,
 
-    /// Radii of the rings along which g(r, theta) is shown [default: 1, 2 and 3 closest-packing distances]
+    /// Radii of the rings along which g(r, theta) is shown [default: half, 1 and 2 closest-packing distances]
     #[arg(long, value_name = "R1,R2,...", value_delimiter = ',', allow_negative_numbers = true)]
     pub lag_rings: Option<Vec<f64>>,
 

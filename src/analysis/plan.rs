@@ -7,8 +7,8 @@ use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Correction, EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan,
-    NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
+    Bandwidth, BandwidthSearch, BinScale, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan, LagGrid,
+    LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
 };
 use crate::points::Domain;
 use crate::points::read::read_edges;
@@ -326,7 +326,7 @@ fn lags(request: &Request, domain: &Domain, correction: Correction, shape: Ensem
     LagPlan::new(domain, grid, correction, (domain.dim() == 2).then_some(&[]), shape)
 }
 
-/// The rings along which g of the vector is followed, in 2D: by default at 1, 2 and 3 closest-packing distances, as far as
+/// The rings along which g of the vector is followed, in 2D: by default at half, 1 and 2 closest-packing distances, as far as
 /// they fit. Their cells are so small that g hardly changes within one, and the grid ends beyond the largest.
 fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
     let (domain, shape) = (&lags.domain, lags.shape);
@@ -340,7 +340,7 @@ fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
         Some(radii) => radii.clone(),
         None => {
             let unit = domain.closest_packing_distance(shape.mean_points);
-            [1.0, 2.0, 3.0].map(|k| k * unit).into_iter().filter(|r| 1.01 * r < limit).collect()
+            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|r| 1.01 * r < limit).collect()
         }
     };
     let largest = radii.iter().copied().fold(0.0, f64::max);

@@ -1,6 +1,6 @@
 //! Pair counts -> Ripley's K(r), L(r) and the mean number of neighbours.
 
-use super::ratio::ratio;
+use super::ratio::{mean_weight, ratio};
 use super::{ErrorSource, Normalization};
 use crate::accumulate::PairCounts;
 use crate::plan::PairPlan;
@@ -45,11 +45,12 @@ impl KFunction {
         let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][dim - 1];
         let mut closer = 0;
         let (mut k, mut k_se, mut l, mut l_se) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let typical = mean_weight(counts);
         for bin in 0..plan.bins.len() {
             let ratio = ratio(counts, cumulative, bin, normalization);
             closer += counts.counts[bin];
             let (value, se) =
-                (measure * ratio.sum / ratio.norm, measure * ratio.standard_error(plan, counts, closer) / ratio.norm);
+                (measure * ratio.sum / ratio.norm, measure * ratio.standard_error(plan, closer, typical) / ratio.norm);
             let radius = (value / ball).powf(1.0 / dim as f64);
             k.push(value);
             k_se.push(se);

@@ -1,7 +1,7 @@
 //! Pair counts -> the pair correlation function g(r).
 
 use super::ErrorSource;
-use super::ratio::ratio;
+use super::ratio::{mean_weight, ratio};
 use crate::accumulate::PairCounts;
 use crate::plan::PairPlan;
 
@@ -47,12 +47,13 @@ impl PairCorrelation {
         let errors = ErrorSource::of(counts.realizations);
         let mut g = Vec::with_capacity(bins.len());
         let mut g_se = Vec::with_capacity(bins.len());
+        let typical = mean_weight(counts);
         for b in 0..bins.len() {
             let ratio = ratio(counts, &counts.bins, b, normalization);
             // Ordered pairs (or their weight) expected under complete randomness.
             let expected = plan.shell_measure(b) / plan.domain.measure() * ratio.norm;
             g.push(ratio.sum / expected);
-            g_se.push(ratio.standard_error(plan, counts, counts.counts[b]) / expected);
+            g_se.push(ratio.standard_error(plan, counts.counts[b], typical) / expected);
         }
         let edges = bins.edges();
         Self {

@@ -18,21 +18,21 @@ pub(super) struct Ratio {
 impl Ratio {
     /// Standard error of `sum`: across realizations, or for one of them theory, as if unordered pairs were Poisson:
     /// `w sqrt(2 count)` with `w` the mean weight of the `count` ordered pairs (how weights spread about it is left out).
-    /// No pair at all gets the error of one unordered pair of mean weight. With border correction, where most pairs are seen
+    /// No pair at all gets the error of one unordered pair of `typical` weight. With border correction, where most pairs are seen
     /// from one end only, twice the pairs seen stand for their variance: an upper bound.
-    pub(super) fn standard_error(&self, plan: &PairPlan, counts: &PairCounts, count: u64) -> f64 {
+    pub(super) fn standard_error(&self, plan: &PairPlan, count: u64, typical: f64) -> f64 {
         self.error.unwrap_or_else(|| {
             if plan.border() {
                 return (2.0 * self.sum.max(2.0)).sqrt();
             }
-            let mean_weight = if count > 0 { self.sum / count as f64 } else { mean_weight(counts) };
+            let mean_weight = if count > 0 { self.sum / count as f64 } else { typical };
             mean_weight * (2.0 * count.max(2) as f64).sqrt()
         })
     }
 }
 
 /// The mean weight of all pairs counted, 1 if there are none.
-fn mean_weight(counts: &PairCounts) -> f64 {
+pub(super) fn mean_weight(counts: &PairCounts) -> f64 {
     let pairs: u64 = counts.counts.iter().sum();
     let sum: f64 = (0..counts.counts.len()).map(|bin| counts.sum(bin)).sum();
     if pairs > 0 { sum / pairs as f64 } else { 1.0 }

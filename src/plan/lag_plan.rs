@@ -11,6 +11,9 @@ use crate::points::Domain;
 pub const MAX_LAG_BINS: usize = 1 << 16;
 /// Most cells of a grid of lags, 128 per axis in 3D: their sums take 150 MB.
 pub const MAX_LAG_CELLS: usize = 1 << 21;
+/// Radii of rings where none are given, in closest-packing distances.
+pub(crate) const DEFAULT_RINGS: [f64; 3] = [0.5, 1.0, 2.0];
+
 /// The fewest and the most sectors of a ring.
 const SECTORS: [usize; 2] = [4, 36];
 
@@ -217,7 +220,7 @@ pub struct LagPlan {
 }
 
 impl LagPlan {
-    /// Decides. `rings`: radii, or `None` for 1, 2 and 3 closest-packing distances as far as they fit.
+    /// Decides. `rings`: radii, or `None` for half, 1 and 2 closest-packing distances as far as they fit.
     pub fn new(
         domain: &Domain,
         grid: LagGrid,
@@ -295,7 +298,7 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
         }
         None => {
             let unit = domain.closest_packing_distance(shape.mean_points);
-            [1.0, 2.0, 3.0].map(|k| k * unit).into_iter().filter(|&r| fits(r)).collect()
+            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|&r| fits(r)).collect()
         }
     };
     let pi = std::f64::consts::PI;

@@ -21,6 +21,7 @@ pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
 pub use cell_grid::{CellAxis, CellGrid, StencilRow};
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelPlan, KernelRoad};
+pub(crate) use lag_plan::DEFAULT_RINGS;
 pub use lag_plan::{LagFilter, LagGrid, LagPlan, MAX_LAG_BINS, MAX_LAG_CELLS, RingSector};
 pub use neighbor_plan::{NeighborPlan, ProbeLattice};
 pub use pair_plan::{Correction, PairPlan, PairSettings};
