@@ -34,7 +34,7 @@ fn curve(plan: &KernelPlan, counts: &PairCounts) -> KernelCurve {
     let mut curve = KernelCurve::new(norms, plan.r.len());
     // Weights of a GPU are f32.
     let of_weights = if plan.pairs.weighted() && counts.computed_by.backends.contains(&Backend::Gpu) {
-        f64::from(GPU_WEIGHT_BOUND)
+        GPU_WEIGHT_BOUND
     } else {
         0.0
     };
