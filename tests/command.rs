@@ -542,7 +542,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --stats pcf-vector --lag-rings 0.4999",
             2,
-            "--lag-rings 0.4999: rings are two cells wide (0.0078125) and fit into the grid of lags: expected more than 0.00390625 and at most 0.49609375",
+            "--lag-rings 0.4999: rings are two cells wide (0.015625) and fit into the grid of lags: expected more than 0.0078125 and at most 0.4921875",
         ),
         (
             "analyze three.txt --stats pcf-vector --lag-rings 0.1",

@@ -39,7 +39,7 @@ pub struct Plan {
 }
 
 /// Bins per axis of the grid behind rings.
-const RING_GRID: usize = 256;
+const RING_GRID: usize = 128;
 
 /// Values of simulated curves held at a time: 1 GiB.
 const MAX_SIMULATED: u64 = 1 << 27;
@@ -340,14 +340,14 @@ fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
         Some(radii) => radii.clone(),
         None => {
             let unit = domain.closest_packing_distance(shape.mean_points);
-            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|r| 1.01 * r < limit).collect()
+            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|r| 1.02 * r < limit).collect()
         }
     };
     let largest = radii.iter().copied().fold(0.0, f64::max);
     if radii.is_empty() {
         return Ok(None);
     }
-    let half = if largest > 0.0 { (1.01 * largest).min(limit) } else { limit };
+    let half = if largest > 0.0 { (1.02 * largest).min(limit) } else { limit };
     let grid = LagGrid::new(domain, RING_GRID, Some(half))?;
     LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
 }
