@@ -99,8 +99,8 @@ pub(crate) fn coprime_from(least: usize, n: usize) -> usize {
 }
 
 /// Raw sums over the realizations of one batch. `Error::Device` means that the device failed at it: the caller may do the
-/// batch again elsewhere (and `analysis` does, on the CPU path); every other error is final. A batch starts at a multiple of `LEAF` and its result is whole or an
-/// error: never a part of the sums.
+/// batch again elsewhere (and `analysis` does, on the CPU path); every other error is final. A result is whole or an error:
+/// never a part of the sums. Sums in f64 merge only if batches start at multiples of `LEAF`; counts, being integers, always.
 pub trait Compute: Send + Sync {
     /// Who computes.
     fn computed_by(&self) -> ComputedBy;

@@ -1,4 +1,5 @@
-//! The GPU path, through wgpu: exact pair counts and `fast` power spectra. The only folder that names wgpu.
+//! The GPU path, through wgpu: exact pair and lag counts, edge weights, and `fast` power spectra. The only folder that names
+//! wgpu.
 //!
 //! Three layers from a call to the device: `GpuCompute::pair_counts` cuts the work into dispatches, `Kernel` binds and
 //! dispatches one, wgpu does it. Kernels are made once and reused; buffers live as long as one call.
