@@ -174,11 +174,13 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
         k.r.iter().enumerate().map(|(b, &r)| (if b == 0 { 0.0 } else { k.r[b - 1] }, r, r)).collect();
     let values: Vec<(f64, f64)> = k.l_minus_r.iter().zip(&k.l_se).map(|(&l, se)| (l, se.unwrap_or(0.0))).collect();
     let reach = values.iter().filter(|v| v.0.is_finite()).flat_map(|&(l, se)| [l - se, l + se]);
-    let (lo, hi) = extent(&reach.chain([0.0]).collect::<Vec<_>>())?;
+    let random = analysis.envelopes.as_ref().and_then(|e| e.find("l_minus_r"));
+    // Curve and envelope are compared: both are in the frame.
+    let band = random.iter().flat_map(|e| e.global.iter().flatten().copied()).filter(|l| l.is_finite());
+    let (lo, hi) = extent(&reach.chain(band).chain([0.0]).collect::<Vec<_>>())?;
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let defined = |&(l, se): &(f64, f64)| l.is_finite().then_some((l - se, l + se));
     let mut layers = vec![Layer::Level { name: "random: L = r".into(), y: 0.0 }];
-    let random = analysis.envelopes.as_ref().and_then(|e| e.find("l_minus_r"));
     layers.extend(random.map(|e| global_band("random, global", &intervals, e)));
     layers.extend([
         Layer::Band {
