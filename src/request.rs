@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::compute::DeviceChoice;
 use crate::estimate::Normalization;
-use crate::plan::{Accuracy, Bandwidth, BinScale, Correction, Divisor, SmoothingKernel};
+use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 
@@ -22,6 +22,8 @@ pub enum Statistic {
     Spectrum,
     /// Radial mean and anisotropy only.
     Radial,
+    /// Covariance of the amplitudes of low frequencies, E[s_m conj(s_l)].
+    Covariance,
     /// Nearest-neighbour distances.
     Neighbors,
 }
@@ -172,6 +174,42 @@ pub struct Request {
     /// Largest frequency, for all axes or per axis [default: ceil(5 n^(1/d))]
     #[arg(long, value_name = "F[,F2[,F3]]", value_delimiter = ',', allow_negative_numbers = true)]
     pub max_frequency: Option<Vec<u32>>,
+
+    /// Wave vectors, one per line: integers m on a torus; cycles per unit length in a window
+    #[arg(long, value_name = "FILE", conflicts_with = "max_frequency")]
+    pub frequencies: Option<PathBuf>,
+
+    /// For --stats radial: at most N wave vectors per ring, evenly spread over directions [default: all]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "frequencies")]
+    pub ring_directions: Option<u64>,
+
+    /// Sectors of half a turn in which angular power is summed (2D) [default: 18]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub sectors: Option<usize>,
+
+    /// Largest frequency of the covariance of amplitudes [default: 8 in 2D, 64 in 1D, 2 in 3D]
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    pub covariance_frequency: Option<u32>,
+
+    /// Taper of a window's spectrum [default: bartlett, the same everywhere]
+    #[arg(long, value_enum)]
+    pub taper: Option<Taper>,
+
+    /// With --taper sine: the first N sine tapers per axis, averaged [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub tapers: Option<usize>,
+
+    /// How the transform of the window itself is removed from its spectrum [default: direct]
+    #[arg(long, value_enum)]
+    pub debias: Option<Debias>,
+
+    /// Grid, rings, labels and normalization of another program
+    #[arg(long, value_enum, default_value = "ours")]
+    pub convention: Convention,
+
+    /// With --convention: also that program's known defects
+    #[arg(long)]
+    pub bug_compatible: bool,
 
     /// auto, cpu, gpu, reference, or an index of `pairwave devices`
     #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu|reference|INDEX")]

@@ -135,6 +135,23 @@ impl Source {
         }
     }
 
+    /// Whether the weights are such that pairs can be counted by them: none below 0, and two of a realization not
+    /// negligible.
+    pub fn check_pair_weights(&self, column: &str) -> Result<()> {
+        let Kind::Loaded(ensemble) = &self.kind else { return Ok(()) };
+        if let Some((k, j)) = ensemble.negative_weight() {
+            let reason =
+                format!("point {j} of realization {k} has a weight below 0: g and K need weights of at least 0");
+            return Err(Error::setting("--weight-column", column, reason));
+        }
+        let two = |k| ensemble.masses(k).is_none_or(|m| m.iter().filter(|&&u| u > 0).nth(1).is_some());
+        if !(0..ensemble.realizations()).any(two) {
+            let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-25 of it)";
+            return Err(Error::setting("--weight-column", column, reason));
+        }
+        Ok(())
+    }
+
     /// Number and size of realizations.
     pub fn shape(&self) -> EnsembleShape {
         match &self.kind {
@@ -184,15 +201,10 @@ fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest)
     }
     let mut ensemble = Ensemble::from_raw(&raw, domain, request.wrap, 0)?;
     if let Some(column) = &request.weight_column {
-        if !weights.iter().any(|&w| w > 0.0) {
+        if weights.iter().all(|&w| w == 0.0) {
             return Err(Error::setting("--weight-column", column, "all weights are 0"));
         }
         ensemble = ensemble.with_weights(&weights);
-        let two = |k| ensemble.masses(k).is_some_and(|m| m.iter().filter(|&&u| u > 0).nth(1).is_some());
-        if !(0..ensemble.realizations()).any(two) {
-            let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-25 of it)";
-            return Err(Error::setting("--weight-column", column, reason));
-        }
     }
     if request.class_column.is_some() {
         ensemble = ensemble.with_classes(classes);

@@ -418,7 +418,7 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
     assert_eq!(column::<String>(&turned, "g_aa"), column::<String>(&cross, "g_bb"));
     // Weights that are all alike, and a warning that P does not know them.
     scratch.file("sizes.txt", &points.replace(",1\n", ",4\n").replace(",2\n", ",4\n"));
-    let weighted = "--weight-column 3 --stats pcf,spectrum";
+    let weighted = "--weight-column 3 --stats pcf,neighbors";
     scratch
         .ok(&format!("analyze sizes.txt --window 0,1,0,1 --r-max 0.25 --bins 10 --device cpu {weighted} --out sizes"));
     let sizes = csv(&scratch.path("sizes/pcf.csv"));
@@ -426,7 +426,7 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
         assert!((weighted - plain).abs() < 1e-8 * (1.0 + plain), "{weighted}, not {plain}");
     }
     assert!(
-        summary(&scratch.path("sizes"))["warnings"].to_string().contains("weights of points enter g(r) and K only")
+        summary(&scratch.path("sizes"))["warnings"].to_string().contains("weights of points enter g(r), K and P only")
     );
     // To half the diagonal of a torus: every pair.
     scratch.ok("analyze sizes.txt --weight-column 3 --r-max 0.7071067811865476 --beyond-half --device cpu --out far");
@@ -649,9 +649,9 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         ),
         ("analyze ok.csv --stats k-function --kernel box", 2, "--kernel box: needs pcf among --stats"),
         (
-            "analyze trees.csv --stats spectrum --weight-column size",
+            "analyze trees.csv --stats neighbors --weight-column size",
             2,
-            "--weight-column size: needs pcf or k-function among --stats",
+            "--weight-column size: needs pcf, k-function, spectrum, radial or covariance among --stats",
         ),
         ("analyze trees.csv --stats k-function --class-column kind", 2, "--class-column kind: needs pcf among --stats"),
         ("analyze trees.csv --class-column kind", 2, "--classes (none): expected two of the 3 classes: oak, elm, fir"),

@@ -114,7 +114,7 @@ fn a_missing_point_and_a_nan_are_caught() {
         pairwave::accumulate::WavePower::new(ComputedBy::new(Backend::Cpu, "planted"), truth.modes(), &waves.rings);
     let mut values = truth.mode_totals().q;
     values[7] = f64::NAN;
-    nan.add(0, 100, &values, &waves.rings);
+    nan.add(0, 100.0, &values, &waves.rings);
     assert!(power_error(&nan, &truth).is_err(), "NaN cannot pass");
 }
 

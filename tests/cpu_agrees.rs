@@ -310,7 +310,7 @@ fn bits(power: &WavePower) -> Vec<u64> {
         .iter()
         .flatten()
         .map(|x| x.to_bits())
-        .chain(power.n_moments.map(|m| m as u64))
+        .chain(power.norm_totals().map(f64::to_bits))
         .chain([power.realizations])
         .collect()
 }
@@ -420,7 +420,7 @@ fn zeros_stay_zero(n: usize, z: usize) {
             let q = cpu.wave_power(&plan, &ensemble, &Control::default()).unwrap().mode_totals().q;
             let mut worst = 0.0;
             for (index, q) in q.iter().enumerate() {
-                let m = plan.grid.mode(index);
+                let m = plan.waves.grid().unwrap().mode(index);
                 let on_dual = (i64::from(m[0]) + i64::from(m[1]) * z as i64).rem_euclid(n as i64) == 0;
                 let p = q / n as f64;
                 assert!(p.is_finite());

@@ -92,7 +92,7 @@ fn request(arguments: &str) -> Request {
 
 fn analyze(request: &Request, device: &dyn Compute) -> Result<Analysis> {
     let source = Source::open(&request.input)?;
-    let plan = Plan::new(request, source.domain(), source.shape())?.with_classes(request, source.classes())?;
+    let plan = Plan::of(request, &source)?;
     analysis::run(request, &source, &plan, device, &Control::default(), &mut |_| ())
 }
 

@@ -19,7 +19,7 @@ fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {
 fn power(points: RawPoints, max_frequency: &[u32]) -> (WaveGrid, Vec<f64>) {
     let ensemble = ensemble(&[points]);
     let plan = wave_plan(&ensemble, max_frequency, Accuracy::High);
-    (plan.grid, reference_power(&plan, &ensemble).mode_totals().q)
+    (*plan.waves.grid().unwrap(), reference_power(&plan, &ensemble).mode_totals().q)
 }
 
 #[test]
@@ -142,8 +142,8 @@ fn power_deviations(sets: &[RawPoints], max_frequency: u32, theory: impl Fn([i32
     let ensemble = ensemble(sets);
     let plan = wave_plan(&ensemble, &[max_frequency; 2], Accuracy::High);
     let spectrum = PowerSpectrum::new(&plan, &reference_power(&plan, &ensemble));
-    (plan.grid.dc() + 1..plan.grid.half_len())
-        .map(|i| (spectrum.p[i] - theory(plan.grid.mode(i))) / spectrum.p_se[i])
+    (plan.waves.dc().unwrap() + 1..plan.waves.len())
+        .map(|i| (spectrum.p[i] - theory(plan.waves.grid().unwrap().mode(i))) / spectrum.p_se[i])
         .collect()
 }
 
@@ -222,8 +222,9 @@ fn independent_points_have_g_1_and_p_1() {
         let max_frequency = [40, 6, 3][dim - 1];
         let plan = wave_plan(&ensemble, &vec![max_frequency; dim], Accuracy::High);
         let spectrum = PowerSpectrum::new(&plan, &reference_power(&plan, &ensemble));
-        let deviations: Vec<f64> =
-            (plan.grid.dc() + 1..plan.grid.half_len()).map(|i| (spectrum.p[i] - 1.0) / spectrum.p_se[i]).collect();
+        let deviations: Vec<f64> = (plan.waves.dc().unwrap() + 1..plan.waves.len())
+            .map(|i| (spectrum.p[i] - 1.0) / spectrum.p_se[i])
+            .collect();
         assert_standard(&format!("random P, {dim}D"), &deviations);
     }
 }

@@ -5,16 +5,15 @@ use crate::compute::ComputedBy;
 use crate::error::{Error, Result};
 use crate::plan::Rings;
 
-/// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveGrid`), and of the ring sums of q, with the second
-/// moments that their errors need. The additions are ordered by realization index (`OrderedSum`).
+/// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveVectors`), and of the ring sums of q, with the second
+/// moments that their errors need. Each is compared with the norm `N = sum_j w_j^2` of its realization: n where every point
+/// weighs 1. The additions are ordered by realization index (`OrderedSum`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct WavePower {
     /// Who computed them.
     pub computed_by: ComputedBy,
     /// Number of realizations.
     pub realizations: u64,
-    /// Sums of n and n^2 over realizations.
-    pub n_moments: [u128; 2],
     modes: usize,
     rings: usize,
     mode_sums: OrderedSum,
@@ -22,7 +21,7 @@ pub struct WavePower {
     leaf: Option<Leaf>,
 }
 
-/// The leaf being filled: q of every member, then q^2, then q n.
+/// The leaf being filled: q of every member, then q^2, then q N; for rings also N and N^2.
 #[derive(Debug, Clone, PartialEq)]
 struct Leaf {
     index: u64,
@@ -37,7 +36,7 @@ pub struct PowerMoments {
     pub q: Vec<f64>,
     /// Sum of its square.
     pub q_squared: Vec<f64>,
-    /// Sum of q n.
+    /// Sum of q N.
     pub q_n: Vec<f64>,
 }
 
@@ -47,7 +46,6 @@ impl WavePower {
         Self {
             computed_by,
             realizations: 0,
-            n_moments: [0; 2],
             modes,
             rings: rings.count,
             mode_sums: OrderedSum::default(),
@@ -56,9 +54,9 @@ impl WavePower {
         }
     }
 
-    /// Adds realization `index` with `n` points, whose `|s_m|^2` is `power` (one value per stored mode). Indices come in
+    /// Adds realization `index` with norm `norm`, whose `|s_m|^2` is `power` (one value per stored mode). Indices come in
     /// increasing order.
-    pub fn add<T: Copy + Into<f64>>(&mut self, index: u64, n: u64, power: &[T], rings: &Rings) {
+    pub fn add<T: Copy + Into<f64>>(&mut self, index: u64, norm: f64, power: &[T], rings: &Rings) {
         debug_assert_eq!(power.len(), self.modes, "one value per stored mode");
         if self.leaf.as_ref().is_some_and(|leaf| leaf.index != index / LEAF) {
             self.close_leaf();
@@ -67,24 +65,18 @@ impl WavePower {
         let leaf = self.leaf.get_or_insert_with(|| Leaf {
             index: index / LEAF,
             modes: vec![0.0; 3 * modes],
-            rings: vec![0.0; 3 * ring_count],
+            rings: vec![0.0; 3 * ring_count + 2],
         });
         self.realizations += 1;
-        self.n_moments[0] += u128::from(n);
-        self.n_moments[1] += u128::from(n) * u128::from(n);
-        let n = n as f64;
-        add_moments(&mut leaf.modes, power.iter().map(|&q| q.into()), n);
+        add_moments(&mut leaf.modes, power.iter().map(|&q| q.into()), norm);
         let mut totals = vec![0.0; ring_count + 1];
-        // The plane m_0 = 0 is stored whole, so a mode and its mirror image are both there; elsewhere one stands for two.
-        let (plane, rest) = power.split_at(rings.plane_len);
-        let (plane_rings, rest_rings) = rings.ring_of.split_at(rings.plane_len);
-        for (&q, &ring) in plane.iter().zip(plane_rings) {
-            totals[ring as usize] += q.into();
+        for ((&q, &ring), &times) in power.iter().zip(&rings.ring_of).zip(&rings.times) {
+            totals[ring as usize] += f64::from(times) * q.into();
         }
-        for (&q, &ring) in rest.iter().zip(rest_rings) {
-            totals[ring as usize] += 2.0 * q.into();
-        }
-        add_moments(&mut leaf.rings, totals[1..].iter().copied(), n);
+        let (moments, norms) = leaf.rings.split_at_mut(3 * ring_count);
+        add_moments(moments, totals[1..].iter().copied(), norm);
+        norms[0] += norm;
+        norms[1] += norm * norm;
         // A full leaf is closed at once, so that equal content is held in equal form.
         if (index + 1).is_multiple_of(LEAF) {
             self.close_leaf();
@@ -116,9 +108,6 @@ impl WavePower {
         }
         self.computed_by = self.computed_by.merge(&other.computed_by);
         self.realizations += other.realizations;
-        for (a, b) in self.n_moments.iter_mut().zip(&other.n_moments) {
-            *a += b;
-        }
         self.mode_sums.merge(other.mode_sums);
         self.ring_sums.merge(other.ring_sums);
         Ok(())
@@ -137,12 +126,26 @@ impl WavePower {
 
     /// The totals per ring.
     pub fn ring_totals(&self) -> PowerMoments {
+        let mut totals = self.ring_sums();
+        totals.truncate(3 * self.rings);
+        PowerMoments::of(totals, self.rings)
+    }
+
+    /// The sums of N and N^2 over realizations.
+    pub fn norm_totals(&self) -> [f64; 2] {
+        match self.ring_sums()[..] {
+            [.., n, squared] => [n, squared],
+            _ => [0.0; 2],
+        }
+    }
+
+    fn ring_sums(&self) -> Vec<f64> {
         let open = self.leaf.as_ref().map(|leaf| (leaf.index, leaf.rings.as_slice()));
-        PowerMoments::of(self.ring_sums.total_with(open), self.rings)
+        self.ring_sums.total_with(open)
     }
 }
 
-/// Adds q, q^2 and q n of one realization to sums laid out one after the other.
+/// Adds q, q^2 and q N of one realization to sums laid out one after the other.
 fn add_moments(sums: &mut [f64], values: impl Iterator<Item = f64>, n: f64) {
     let members = sums.len() / 3;
     let (q_sums, rest) = sums.split_at_mut(members);

@@ -184,11 +184,9 @@ pub fn run(
     if unseen > 0 && unseen < sums.pairs.as_ref().map_or(0, |p| p.counts.len()) {
         warnings.push(format!("no point is far enough from the border for {unseen} of the bins: they are left empty"));
     }
-    if plan.pairs.as_ref().is_some_and(|p| p.masses)
-        && (plan.waves.is_some() || plan.neighbors.is_some() || plan.lags.is_some())
-    {
+    if plan.pairs.as_ref().is_some_and(|p| p.masses) && (plan.neighbors.is_some() || plan.lags.is_some()) {
         let warning =
-            "weights of points enter g(r) and K only: P, g of the vector and neighbours take every point alike";
+            "weights of points enter g(r), K and P only: g of the vector and neighbours take every point alike";
         warnings.push(warning.to_string());
     }
     if plan.pairs.as_ref().is_some_and(|p| p.masses) && shape.realizations == 1 {
@@ -205,9 +203,11 @@ pub fn run(
     if let Some(lags) = plan.lags.as_ref().filter(|_| request.lag_max.is_none() && request.lag_bins.is_none()) {
         warnings.extend(lags.coarse(shape.mean_points));
     }
-    if let Some(waves) = plan.waves.as_ref().filter(|_| request.max_frequency.is_none()) {
-        let (reach, wanted) =
-            (waves.grid.max_frequency()[0], 5.0 * shape.mean_points.powf(1.0 / waves.grid.dim() as f64));
+    if let Some(waves) =
+        plan.waves.as_ref().filter(|_| request.max_frequency.is_none() && request.frequencies.is_none())
+    {
+        let reach = waves.waves.grid().map_or(0, |grid| grid.max_frequency()[0]);
+        let wanted = 5.0 * shape.mean_points.powf(1.0 / waves.waves.dim() as f64);
         if source.domain().is_cubic() && f64::from(reach) < 0.9 * wanted {
             warnings.push(format!("P reaches |m| = {reach} only, to bound its memory; --max-frequency asks for more"));
         }
@@ -293,8 +293,8 @@ fn closed_form(source: &Source, plan: &Plan, normalization: Normalization, g: Op
     let radial = plan.waves.as_ref().and_then(|plan| {
         let mut sums = vec![0.0; plan.rings.count];
         for (index, &ring) in plan.rings.ring_of.iter().enumerate().filter(|(_, ring)| **ring > 0) {
-            let multiplicity = f64::from(plan.grid.multiplicity(index));
-            sums[ring as usize - 1] += multiplicity * process.power(plan.grid.mode(index))?;
+            let times = f64::from(plan.rings.times[index]);
+            sums[ring as usize - 1] += times * process.power(plan.waves.vector(index).map(|m| m as i32))?;
         }
         Some(sums.iter().zip(&plan.rings.modes).map(|(sum, &modes)| sum / modes as f64).collect())
     });

@@ -7,12 +7,13 @@ use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan, LagGrid,
-    LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
+    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan,
+    LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
 };
 use crate::points::Domain;
 use crate::points::read::read_edges;
 use crate::request::{Request, Statistic};
+use crate::source::Source;
 
 /// Everything decided before the first sum: a value that can be printed.
 #[derive(Debug, Clone)]
@@ -45,6 +46,15 @@ const RING_GRID: usize = 128;
 const MAX_SIMULATED: u64 = 1 << 27;
 
 impl Plan {
+    /// Decides from the request and its points.
+    pub fn of(request: &Request, source: &Source) -> Result<Self> {
+        let plan = Self::new(request, source.domain(), source.shape())?;
+        if let Some(column) = request.input.weight_column.as_ref().filter(|_| plan.pairs.is_some()) {
+            source.check_pair_weights(column)?;
+        }
+        plan.with_classes(request, source.classes())
+    }
+
     /// Decides from the request and the number of points.
     pub fn new(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Self> {
         let wants = |s| request.stats.contains(&s);
@@ -145,7 +155,7 @@ impl Plan {
 
     /// The same plan for points of the classes with these names (`Source::classes`), of which there are none without
     /// `--class-column`.
-    pub fn with_classes(mut self, request: &Request, names: &[String]) -> Result<Self> {
+    fn with_classes(mut self, request: &Request, names: &[String]) -> Result<Self> {
         if let Some(pairs) = self.pairs.as_ref().filter(|_| self.pcf && !names.is_empty()) {
             self.classes = Some(Classes::new(request, names, pairs)?);
         }
@@ -194,17 +204,19 @@ fn simulations(request: &Request, values: u64) -> Result<u64> {
 
 /// A setting of a statistic that was not asked for would be silently ignored.
 fn refuse_idle_settings(request: &Request) -> Result<()> {
-    use Statistic::{KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
+    use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
     let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
     let lower = |text: String| text.to_lowercase();
     let pairs: &[Statistic] = &[Pcf, KFunction];
-    let settings: [(&str, Option<String>, &[Statistic]); 14] = [
+    let waves: &[Statistic] = &[Spectrum, Radial];
+    let convention = (request.convention != Convention::Ours).then(|| request.convention.to_string());
+    let settings: [(&str, Option<String>, &[Statistic]); 23] = [
         ("--r-max", request.r_max.map(number), pairs),
         ("--bins", request.bins.map(|b| b.to_string()), pairs),
         ("--bin-scale", request.bin_scale.map(|s| lower(format!("{s:?}"))), pairs),
         ("--edges", request.edges.as_ref().map(|e| e.display().to_string()), pairs),
         ("--beyond-half", request.beyond_half.then(|| "(given)".into()), pairs),
-        ("--weight-column", request.input.weight_column.clone(), pairs),
+        ("--weight-column", request.input.weight_column.clone(), &[Pcf, KFunction, Spectrum, Radial, Covariance]),
         ("--kernel", request.kernel.map(|k| lower(format!("{k:?}"))), &[Pcf]),
         ("--class-column", request.input.class_column.clone(), &[Pcf]),
         ("--correction", request.correction.map(|c| c.to_string()), &[Pcf, KFunction, PcfVector]),
@@ -212,7 +224,16 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--lag-bins", request.lag_bins.map(|b| b.to_string()), &[PcfVector]),
         ("--lag-max", request.lag_max.map(number), &[PcfVector]),
         ("--lag-rings", request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())), &[PcfVector]),
-        ("--max-frequency", request.max_frequency.as_ref().map(list), &[Spectrum, Radial]),
+        ("--max-frequency", request.max_frequency.as_ref().map(list), waves),
+        ("--frequencies", request.frequencies.as_ref().map(|f| f.display().to_string()), &[Spectrum]),
+        ("--ring-directions", request.ring_directions.map(|n| n.to_string()), &[Radial]),
+        ("--sectors", request.sectors.map(|n| n.to_string()), waves),
+        ("--covariance-frequency", request.covariance_frequency.map(|b| b.to_string()), &[Covariance]),
+        ("--taper", request.taper.map(|t| t.to_string()), waves),
+        ("--tapers", request.tapers.map(|n| n.to_string()), waves),
+        ("--debias", request.debias.map(|d| d.to_string()), waves),
+        ("--convention", convention, waves),
+        ("--bug-compatible", request.bug_compatible.then(|| "(given)".into()), waves),
     ];
     for (flag, value, statistics) in settings {
         if let Some(value) = value.filter(|_| !statistics.iter().any(|s| request.stats.contains(s))) {

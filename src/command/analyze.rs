@@ -46,8 +46,7 @@ impl Analyze {
         }
         let control = stop_on_interrupt()?;
         let source = Source::open(&self.request.input)?;
-        let plan = Plan::new(&self.request, source.domain(), source.shape())?;
-        let plan = plan.with_classes(&self.request, source.classes())?;
+        let plan = Plan::of(&self.request, &source)?;
         let device = self.request.device.open(self.request.threads)?;
         if let Some(note) = device.note.filter(|_| !self.quiet) {
             eprintln!("note: {note}");

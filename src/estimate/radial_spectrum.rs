@@ -47,12 +47,12 @@ impl RadialSpectrum {
     pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
         let ring_moments = power.ring_totals();
         let modes = |k: usize| plan.rings.modes[k] as f64;
-        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| modes(k) / 2.0);
+        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| plan.rings.independent[k] as f64);
         let spread = spread(plan, &spectrum.p, &p);
         let realizations = power.realizations as f64;
         let rings = (0..plan.rings.count)
             .map(|k| {
-                let independent = plan.rings.modes[k] / 2;
+                let independent = plan.rings.independent[k];
                 let variance = spread[k] / (independent as f64 - 1.0);
                 let resolved = p[k] > plan.accuracy.power_bound().zero(plan.shape.mean_points);
                 let defined =
@@ -60,11 +60,11 @@ impl RadialSpectrum {
                 // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
                 // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).
                 let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations * independent as f64);
-                let centre = (k + 1) as f64;
+                let [nu_lo, nu, nu_hi] = plan.rings.bounds[k];
                 Ring {
-                    nu_lo: (centre - 0.5) * plan.rings.fundamental,
-                    nu: centre * plan.rings.fundamental,
-                    nu_hi: (centre + 0.5) * plan.rings.fundamental,
+                    nu_lo,
+                    nu,
+                    nu_hi,
                     modes: plan.rings.modes[k],
                     independent_modes: independent,
                     p: p[k],
@@ -83,10 +83,11 @@ impl RadialSpectrum {
     }
 }
 
-/// Per ring, the sum of `(P(m) - mean)^2` over the independent modes: those stored after DC.
+/// Per ring, the sum of `(P(m) - mean)^2` over the independent modes: of a grid those stored after DC, of a list all.
 fn spread(plan: &WavePlan, p: &[f64], mean: &[f64]) -> Vec<f64> {
     let mut spread = vec![0.0; plan.rings.count];
-    for (&p, &ring) in p.iter().zip(&plan.rings.ring_of).skip(plan.grid.dc() + 1) {
+    let first = plan.waves.grid().map_or(0, |grid| grid.dc() + 1);
+    for (&p, &ring) in p.iter().zip(&plan.rings.ring_of).skip(first) {
         if ring > 0 {
             let k = ring as usize - 1;
             spread[k] += (p - mean[k]).powi(2);

@@ -4,6 +4,7 @@ mod accuracy;
 mod bandwidth;
 mod bin_filter;
 mod cell_grid;
+mod convention;
 mod kernel_plan;
 mod lag_plan;
 mod neighbor_plan;
@@ -12,13 +13,17 @@ mod pair_search;
 mod radial_bins;
 mod ring_measure;
 mod smoothing;
+mod taper;
 mod wave_grid;
 mod wave_plan;
+mod wave_rings;
+mod wave_vectors;
 
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
 pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
 pub use cell_grid::{CellAxis, CellGrid, StencilRow};
+pub use convention::Convention;
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelPlan, KernelRoad};
 pub(crate) use lag_plan::DEFAULT_RINGS;
@@ -28,8 +33,11 @@ pub use pair_plan::{Correction, PairPlan, PairSettings};
 pub use pair_search::{PairSearch, SearchCosts, SearchEstimate};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
-pub use wave_grid::{MAX_FREQUENCY, Rings, WaveGrid};
-pub use wave_plan::WavePlan;
+pub use taper::{Debias, Taper};
+pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
+pub use wave_plan::{WavePlan, WaveRoad};
+pub use wave_rings::Rings;
+pub use wave_vectors::{WaveList, WaveVectors};
 
 /// Number of points per realization, as far as a plan must know it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

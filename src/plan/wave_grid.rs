@@ -1,4 +1,4 @@
-//! The integer frequency grid, how half of it stands for all, and its rings.
+//! The integer frequency grid, and how half of it stands for all.
 
 use crate::error::{Error, Result};
 use crate::points::Domain;
@@ -114,6 +114,19 @@ impl WaveGrid {
         if self.mode(index)[0] > 0 { 2 } else { 1 }
     }
 
+    /// Shape of the whole grid: `2 F_k + 1` per axis of the domain.
+    pub fn full_shape(&self) -> Vec<usize> {
+        self.max_frequency[..self.dim].iter().map(|&f| 2 * f as usize + 1).collect()
+    }
+
+    /// The whole grid from stored values, x axis first (slowest), index `m + F`.
+    pub fn full<'a>(&self, half: &'a [f64]) -> impl ExactSizeIterator<Item = f64> + 'a {
+        let [_, n1, n2] = self.half_shape();
+        let mirrored = self.max_frequency[0] as usize * n1 * n2;
+        // Planes m_0 < 0 are the stored planes read backwards; what follows is the store itself.
+        (0..self.full_len()).map(move |i| if i < mirrored { half[half.len() - 1 - i] } else { half[i - mirrored] })
+    }
+
     /// The columns of the matrix product: all `(m_1, m_2)` from which every stored mode follows by sign, i.e. one of
     /// each pair `+-(m_1, m_2)`.
     pub fn columns(&self) -> Vec<[i32; 2]> {
@@ -121,48 +134,5 @@ impl WaveGrid {
         let zero = (0..=f2).map(|m2| [0, m2]);
         let rest = (1..=f1).flat_map(|m1| (-f2..=f2).map(move |m2| [m1, m2]));
         zero.chain(rest).collect()
-    }
-}
-
-/// Rings of constant frequency: ring `k` (1-based) holds the modes with `nu / nu_1` in `[k - 1/2, k + 1/2)`, where
-/// `nu = |m / L|` and `nu_1 = 1 / max L`; only rings that lie whole inside the grid. DC is in none.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rings {
-    /// `1 / longest side`, in cycles per unit length.
-    pub fundamental: f64,
-    /// Number of rings.
-    pub count: usize,
-    /// Ring (1-based) of each stored mode, 0 for none.
-    pub ring_of: Vec<u32>,
-    /// Modes of the whole grid per ring (index `k - 1`); half of them are independent.
-    pub modes: Vec<u64>,
-    /// Number of stored modes on the plane `m_0 = 0`, which come first and count once; all others count twice.
-    pub plane_len: usize,
-}
-
-impl Rings {
-    /// The rings of a grid.
-    pub fn new(grid: &WaveGrid, domain: &Domain) -> Self {
-        let longest = domain.sides().iter().copied().fold(0.0, f64::max);
-        let ratios: Vec<f64> = domain.sides().iter().map(|s| longest / s).collect();
-        // Ring k is whole if every mode just outside the grid lies at or beyond its upper end k + 1/2.
-        let outside = (0..grid.dim).map(|k| f64::from(grid.max_frequency[k] + 1) * ratios[k]);
-        let count = (outside.fold(f64::INFINITY, f64::min) - 0.5).floor() as usize;
-        let mut modes = vec![0; count];
-        let ring_of = (0..grid.half_len())
-            .map(|index| {
-                let m = grid.mode(index);
-                let squared: f64 = (0..grid.dim).map(|k| (f64::from(m[k]) * ratios[k]).powi(2)).sum();
-                // |m| is never exactly a half integer for integer m (4|m|^2 is even), so rounding is safe on a cube.
-                let ring = (squared.sqrt() + 0.5).floor() as usize;
-                if ring == 0 || ring > count {
-                    return 0;
-                }
-                modes[ring - 1] += u64::from(grid.multiplicity(index));
-                ring as u32
-            })
-            .collect();
-        let [_, n1, n2] = grid.half_shape();
-        Self { fundamental: 1.0 / longest, count, ring_of, modes, plane_len: n1 * n2 }
     }
 }

@@ -2,21 +2,35 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, EnsembleShape, Rings, WaveGrid};
+use super::{Accuracy, Batch, EnsembleShape, Rings, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
+
+/// How `s_m` is summed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WaveRoad {
+    /// By the definition, separably, tables and panels in f32.
+    DirectF32,
+    /// The same in f64.
+    DirectF64,
+    /// Spreading onto a fine grid and a Fourier transform of that, in f64.
+    Nufft,
+}
 
 /// Everything decided about the power spectrum before any phase is computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WavePlan {
     /// The domain.
     pub domain: Domain,
-    /// The integer frequency grid.
-    pub grid: WaveGrid,
-    /// Its rings.
+    /// The wave vectors.
+    pub waves: WaveVectors,
+    /// Their rings.
     pub rings: Rings,
     /// The promise to keep.
     pub accuracy: Accuracy,
+    /// How it is kept.
+    pub road: WaveRoad,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -25,36 +39,61 @@ pub struct WavePlan {
 
 impl WavePlan {
     /// Decides.
-    pub fn new(domain: &Domain, grid: WaveGrid, accuracy: Accuracy, shape: EnsembleShape) -> Result<Self> {
-        if grid.dim() != domain.dim() {
+    pub fn new(
+        domain: &Domain,
+        waves: impl Into<WaveVectors>,
+        accuracy: Accuracy,
+        shape: EnsembleShape,
+    ) -> Result<Self> {
+        let waves = waves.into();
+        if let Some(grid) = waves.grid().filter(|grid| grid.dim() != domain.dim()) {
             let given = &grid.max_frequency()[..grid.dim()];
             let reason = format!("expected 1 or {} numbers for points with {} coordinates", domain.dim(), domain.dim());
             return Err(Error::setting("--max-frequency", numbers(given.iter().map(|&f| f64::from(f))), reason));
         }
-        let rings = Rings::new(&grid, domain);
-        let bytes = shape.max_points * 24 + grid.half_len() as u64 * 8;
+        let rings = Rings::new(&waves, domain);
+        let bytes = shape.max_points * 24 + waves.len() as u64 * 8;
         let batch = Batch::new(shape.realizations, bytes);
-        Ok(Self { domain: domain.clone(), grid, rings, accuracy, shape, batch })
+        let road = match (&waves, accuracy) {
+            (WaveVectors::Grid(_), Accuracy::Fast) => WaveRoad::DirectF32,
+            _ => WaveRoad::DirectF64,
+        };
+        Ok(Self { domain: domain.clone(), waves, rings, accuracy, road, shape, batch })
     }
 
     /// Floating-point operations of the matrix products: 8 per point, row and column.
     pub fn flop(&self) -> f64 {
-        let rows = f64::from(self.grid.max_frequency()[0] + 1);
-        8.0 * self.shape.realizations as f64 * self.shape.mean_points * rows * self.grid.columns().len() as f64
+        let per_point = match &self.waves {
+            WaveVectors::Grid(grid) => {
+                let [rows, n1, n2] = grid.half_shape();
+                8.0 * (rows * (n1 * n2).div_ceil(2)) as f64
+            }
+            WaveVectors::List(list) => 4.0 * list.vectors.len() as f64,
+        };
+        per_point * self.shape.realizations as f64 * self.shape.mean_points
     }
 }
 
 impl fmt::Display for WavePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let axes: Vec<_> = self.grid.max_frequency()[..self.grid.dim()].iter().map(u32::to_string).collect();
         let bound = self.accuracy.power_bound().max_any(self.shape.mean_points);
-        writeln!(f, "wave_power: |m| <= {}, {} rings, {:.3e} flop", axes.join(", "), self.rings.count, self.flop())?;
+        let waves = match &self.waves {
+            WaveVectors::Grid(grid) => {
+                let axes: Vec<_> = grid.max_frequency()[..grid.dim()].iter().map(u32::to_string).collect();
+                format!("|m| <= {}", axes.join(", "))
+            }
+            WaveVectors::List(list) => format!("{} wave vectors", list.vectors.len()),
+        };
+        writeln!(f, "wave_power: {waves}, {} rings, {:.3e} flop", self.rings.count, self.flop())?;
         writeln!(
             f,
             "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points",
             self.accuracy.name()
         )?;
         writeln!(f, "  {}", self.batch)?;
-        writeln!(f, "  skipped: {} modes that are mirror images", self.grid.full_len() - self.grid.half_len())
+        if let Some(grid) = self.waves.grid() {
+            writeln!(f, "  skipped: {} modes that are mirror images", grid.full_len() - grid.half_len())?;
+        }
+        Ok(())
     }
 }

@@ -62,7 +62,10 @@ pub struct Ensemble {
     fractions: Vec<Vec<u64>>,
     /// `None` on a cubic torus, where lengths are the fractions.
     lengths: Option<Vec<Vec<u64>>>,
-    /// The weight of each point, in steps of 2^-24; `None` where every point weighs 1.
+    /// The weight of each point, scaled by a power of two so that the largest magnitude is in (1/2, 1]; `None` where every
+    /// point weighs 1.
+    weights: Option<Vec<f64>>,
+    /// The same in steps of 2^-24, for pairs.
     masses: Option<Vec<u32>>,
     /// The class of each point; `None` where there is only one.
     classes: Option<Vec<u32>>,
@@ -106,19 +109,31 @@ impl Ensemble {
             offsets.push(fractions[0].len());
         }
         let lengths = own_lengths.then_some(lengths);
-        Ok(Self { domain: domain.clone(), first_index, offsets, fractions, lengths, masses: None, classes: None })
+        Ok(Self {
+            domain: domain.clone(),
+            first_index,
+            offsets,
+            fractions,
+            lengths,
+            weights: None,
+            masses: None,
+            classes: None,
+        })
     }
 
-    /// The same points with weights, one per point of all realizations: finite, at least 0, and not all 0. They are kept
-    /// as multiples of 2^-24 of the power of two at or above the largest, so each is off by at most 2^-24 of the
-    /// largest. That unit drops out of g and K.
+    /// The same points with weights, one per point of all realizations: finite and not all 0. They are divided by the
+    /// power of two at or above the largest magnitude, which drops out of all estimates. Spectra take them as they are, of
+    /// either sign; g and K, where weights are at least 0, as multiples of 2^-24, so that each is off by at most 2^-24 of
+    /// the largest.
     pub fn with_weights(mut self, weights: &[f64]) -> Self {
-        let largest = weights.iter().copied().fold(0.0, f64::max);
+        let largest = weights.iter().fold(0.0, |l: f64, w| l.max(w.abs()));
         // Divided by the power of two below first: the one above may not be finite.
         let below = 2f64.powi(libm::ilogb(largest).clamp(-1022, 1023));
         let units = if below < largest { 0.5 } else { 1.0 };
-        let mass = |w: &f64| (w / below * units * f64::from(UNIT_MASS)).round_ties_even() as u32;
-        self.masses = Some(weights.iter().map(mass).collect());
+        let scaled: Vec<f64> = weights.iter().map(|w| w / below * units).collect();
+        let mass = |w: &f64| (w.max(0.0) * f64::from(UNIT_MASS)).round_ties_even() as u32;
+        self.masses = Some(scaled.iter().map(mass).collect());
+        self.weights = Some(scaled);
         self
     }
 
@@ -140,6 +155,7 @@ impl Ensemble {
             offsets: self.offsets.iter().map(|&o| kept.partition_point(|&j| j < o)).collect(),
             fractions: cut(&self.fractions),
             lengths: self.lengths.as_ref().map(cut),
+            weights: self.weights.as_ref().map(|w| kept.iter().map(|&j| w[j]).collect()),
             masses: self.masses.as_ref().map(marks),
             classes: Some(marks(classes)),
         }
@@ -200,6 +216,23 @@ impl Ensemble {
         self.masses.as_ref().map(|m| &m[self.range(k)])
     }
 
+    /// The same as numbers: the largest magnitude of all realizations is in (1/2, 1].
+    pub fn weights(&self, k: usize) -> Option<&[f64]> {
+        self.weights.as_ref().map(|w| &w[self.range(k)])
+    }
+
+    /// The sum of squared weights of realization `k`, which `|s_m|^2` is compared with: n where every point weighs 1.
+    pub fn norm(&self, k: usize) -> f64 {
+        self.weights(k).map_or(self.points_in(k) as f64, |w| w.iter().map(|w| w * w).sum())
+    }
+
+    /// The first point (realization, point) whose weight is below 0.
+    pub fn negative_weight(&self) -> Option<(usize, usize)> {
+        let j = self.weights.as_ref()?.iter().position(|&w| w < 0.0)?;
+        let k = self.offsets.partition_point(|&o| o <= j) - 1;
+        Some((k, j - self.offsets[k]))
+    }
+
     /// Position of point `j` of realization `k` in the domain's own units.
     pub fn position(&self, k: usize, j: usize) -> Vec<f64> {
         let unit = self.domain.length_unit() / 2f64.powi(64);
@@ -218,6 +251,7 @@ impl Ensemble {
             offsets: self.offsets[range.start..=range.end].iter().map(|o| o - points.start).collect(),
             fractions: cut(&self.fractions),
             lengths: self.lengths.as_ref().map(cut),
+            weights: self.weights.as_ref().map(|w| w[points.clone()].to_vec()),
             masses: self.masses.as_ref().map(|m| m[points.clone()].to_vec()),
             classes: self.classes.as_ref().map(|c| c[points.clone()].to_vec()),
         }

@@ -209,8 +209,7 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
             rows.push(("Shares of points with 5, 6, 7 neighbours".into(), shares));
         }
     }
-    if let Some(spectrum) = &a.spectrum {
-        let (p, se) = spectrum.dc();
+    if let Some((spectrum, (p, se))) = a.spectrum.as_ref().and_then(|s| Some((s, s.dc()?))) {
         let se = (spectrum.errors == ErrorSource::AcrossRealizations).then_some(se);
         rows.push(("<i>P</i> at zero frequency, ∑<i>n</i><sup>2</sup> / ∑<i>n</i>".into(), with_error(p, se)));
     }

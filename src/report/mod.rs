@@ -196,11 +196,12 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
-    if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
-        files.grid("spectrum.npy", spectrum, &spectrum.p);
+    let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
+    if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {
+        files.stream("spectrum.npy", |file| npy::grid(grid, &spectrum.p, file));
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
         if analysis.shape.realizations >= 2 {
-            files.grid("spectrum_se.npy", spectrum, &spectrum.p_se);
+            files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, file));
         }
     }
     if let Some(vector) = &analysis.vector {
@@ -281,10 +282,6 @@ impl Written<'_> {
                 None
             }
         }
-    }
-
-    fn grid(&mut self, name: &'static str, spectrum: &crate::estimate::PowerSpectrum, half: &[f64]) {
-        self.stream(name, |file| npy::grid(spectrum, half, file));
     }
 
     /// Grids may be GiB: straight to the file.

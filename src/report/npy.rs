@@ -3,14 +3,13 @@
 
 use npyz::WriterBuilder;
 
-use crate::estimate::PowerSpectrum;
-use crate::plan::LagGrid;
+use crate::plan::{LagGrid, WaveGrid};
 
 /// One grid as a .npy file, from stored values (`p` or `p_se`).
-pub(super) fn grid(spectrum: &PowerSpectrum, half: &[f64], file: impl std::io::Write) -> std::io::Result<()> {
-    let shape: Vec<u64> = spectrum.full_shape().iter().map(|&n| n as u64).collect();
+pub(super) fn grid(grid: &WaveGrid, half: &[f64], file: impl std::io::Write) -> std::io::Result<()> {
+    let shape: Vec<u64> = grid.full_shape().iter().map(|&n| n as u64).collect();
     let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
-    writer.extend(spectrum.full(half))?;
+    writer.extend(grid.full(half))?;
     writer.finish()
 }
 

@@ -27,12 +27,10 @@ fn tone(p: f64) -> u8 {
     (255.0 * ((1.0 + p).log2() / 2.0).min(1.0)).round() as u8
 }
 
-/// `None` in one dimension, where the radial curve already shows all.
+/// `None` for a list, and in one dimension, where the radial curve already shows all.
 pub(super) fn render(spectrum: &PowerSpectrum) -> Result<Option<SpectrumImage>, png::EncodingError> {
-    if spectrum.grid.dim() < 2 {
-        return Ok(None);
-    }
-    let [f0, f1, _] = spectrum.grid.max_frequency();
+    let Some(grid) = spectrum.waves.grid().filter(|grid| grid.dim() >= 2) else { return Ok(None) };
+    let [f0, f1, _] = grid.max_frequency();
     let (h0, h1) = (f0.min(HALF_SIDE) as i32, f1.min(HALF_SIDE) as i32);
     let (columns, rows) = (2 * h0 as u32 + 1, 2 * h1 as u32 + 1);
     let zoom = (TARGET / columns.max(rows)).max(1);
@@ -42,7 +40,7 @@ pub(super) fn render(spectrum: &PowerSpectrum) -> Result<Option<SpectrumImage>, 
     for m1 in (-h1..=h1).rev() {
         let row: Vec<u8> = (-h0..=h0)
             // DC is n, not a fluctuation: black, so that it says nothing.
-            .map(|m0| if (m0, m1) == (0, 0) { 0 } else { tone(spectrum.at([m0, m1, 0])) })
+            .map(|m0| if (m0, m1) == (0, 0) { 0 } else { tone(spectrum.p[grid.half_index([m0, m1, 0])]) })
             .flat_map(|v| std::iter::repeat_n(v, zoom as usize))
             .collect();
         for _ in 0..zoom {
@@ -51,7 +49,7 @@ pub(super) fn render(spectrum: &PowerSpectrum) -> Result<Option<SpectrumImage>, 
     }
 
     let mut caption = format!("modes m_x = -{h0}..{h0} to the right, m_y = -{h1}..{h1} upward, ");
-    if spectrum.grid.dim() == 3 {
+    if grid.dim() == 3 {
         caption.push_str("the slice m_z = 0, ");
     }
     if h0 < f0 as i32 || h1 < f1 as i32 {

@@ -6,7 +6,7 @@ use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization};
-use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound};
+use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound, WaveGrid};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -140,11 +140,12 @@ struct EnvelopeOut {
 
 #[derive(Serialize)]
 struct SpectrumOut {
-    max_frequency: Vec<u32>,
+    /// Of a grid; a list has none.
+    max_frequency: Option<Vec<u32>>,
     modes: usize,
     errors: ErrorSource,
-    dc_p: f64,
-    dc_p_se: f64,
+    dc_p: Option<f64>,
+    dc_p_se: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -272,11 +273,11 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             picture_quantile: (v.grid.dim() > 1).then_some(vector_image::QUANTILE),
         }),
         spectrum: a.spectrum.as_ref().map(|s| SpectrumOut {
-            max_frequency: s.grid.max_frequency()[..s.grid.dim()].to_vec(),
-            modes: s.grid.full_len(),
+            max_frequency: s.waves.grid().map(|grid| grid.max_frequency()[..grid.dim()].to_vec()),
+            modes: s.waves.grid().map_or(s.waves.len(), WaveGrid::full_len),
             errors: s.errors,
-            dc_p: s.dc().0,
-            dc_p_se: s.dc().1,
+            dc_p: s.dc().map(|dc| dc.0),
+            dc_p_se: s.dc().map(|dc| dc.1),
         }),
         radial: a.radial.as_ref().map(|r| RadialOut {
             rings: r.rings.len(),

@@ -404,10 +404,12 @@ pub fn power_error(a: &WavePower, reference: &WavePower) -> Result<PowerError, S
     if a.computed_by.backends == reference.computed_by.backends {
         return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
     }
-    if (a.realizations, a.n_moments, a.modes()) != (reference.realizations, reference.n_moments, reference.modes()) {
+    if (a.realizations, a.norm_totals(), a.modes())
+        != (reference.realizations, reference.norm_totals(), reference.modes())
+    {
         return Err("different realizations or modes".into());
     }
-    let n = reference.n_moments[0] as f64;
+    let n = reference.norm_totals()[0];
     let (p, p_ref) = (a.mode_totals().q, reference.mode_totals().q);
     let (mut max, mut squares) = (0f64, 0.0);
     for (p, r) in p.iter().zip(&p_ref) {
@@ -426,7 +428,7 @@ pub fn power_error(a: &WavePower, reference: &WavePower) -> Result<PowerError, S
 /// Asserts the promise of an accuracy level and prints the clearance.
 pub fn assert_power_within(name: &str, accuracy: Accuracy, a: &WavePower, reference: &WavePower) -> PowerError {
     let bound = accuracy.power_bound();
-    let n = reference.n_moments[0] as f64 / reference.realizations as f64;
+    let n = reference.norm_totals()[0] / reference.realizations as f64;
     let error = power_error(a, reference).unwrap_or_else(|why| panic!("{name}: {why}"));
     println!("{name}: max {:.1e} (clearance {:.1}), rms {:.1e}", error.max, bound.max_any(n) / error.max, error.rms);
     assert!(error.max <= bound.max_any(n), "{name}: {error:?} exceeds {bound:?}");

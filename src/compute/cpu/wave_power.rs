@@ -51,9 +51,12 @@ pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contro
 }
 
 fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-    let factors = Factors::new(&plan.grid);
+    let Some(grid) = plan.waves.grid() else {
+        return crate::compute::reference::Reference.wave_power(plan, ensemble, control);
+    };
+    let factors = Factors::new(grid);
     let threads = cpu.threads();
-    let modes = plan.grid.half_len();
+    let modes = plan.waves.len();
     let new_sums = || WavePower::new(cpu.computed_by(), modes, &plan.rings);
     let first = ensemble.first_index();
     let realizations = ensemble.realizations();
@@ -83,7 +86,7 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
                         scratch.sum(cpu.level, tile, &ensemble.fractions(k), control)?;
                         scratch.write_power(&factors, tile, &mut power);
                     }
-                    sum.add(first + k as u64, ensemble.points_in(k) as u64, &power, &plan.rings);
+                    sum.add(first + k as u64, ensemble.norm(k), &power, &plan.rings);
                 }
                 sum.close_leaf();
                 sums.lock().unwrap_or_else(PoisonError::into_inner).merge(sum)?;
@@ -116,7 +119,7 @@ fn wave_power_in<T: Real>(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contr
         results.into_iter().collect::<Result<()>>()?;
         for (k, power) in wave.zip(powers) {
             let power = power.into_inner().unwrap_or_else(PoisonError::into_inner);
-            sums.add(first + k as u64, ensemble.points_in(k) as u64, &power, &plan.rings);
+            sums.add(first + k as u64, ensemble.norm(k), &power, &plan.rings);
         }
     }
     sums.close_leaf();

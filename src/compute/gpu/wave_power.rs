@@ -74,7 +74,8 @@ pub(super) fn supports(plan: &WavePlan, binding_bytes: u64) -> Result<(), String
     if plan.accuracy != Accuracy::Fast {
         return Err(format!("accuracy {} needs f64, which the GPU kernels do not use", plan.accuracy.name()));
     }
-    fits(plan.shape.max_points, plan.grid.dim(), binding_bytes)
+    let Some(grid) = plan.waves.grid() else { return Err("lists of wave vectors have no GPU kernel".into()) };
+    fits(plan.shape.max_points, grid.dim(), binding_bytes)
 }
 
 fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
@@ -120,19 +121,20 @@ pub(super) fn wave_power(
     let gpu = compute.gpu();
     let tuning = &compute.tuning;
     let binding_bytes = gpu.limits.max_storage_buffer_binding_size;
-    let dim = plan.grid.dim();
+    let grid = plan.waves.grid().ok_or_else(|| gpu.error(NAME, "no grid"))?;
+    let dim = grid.dim();
     let sizes: Vec<usize> = (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).collect();
     supports(plan, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
     let largest = sizes.iter().copied().max().unwrap_or(0);
     fits(largest as u64, dim, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
 
-    let job = Job { compute, plan, product: compute.kernel(spec(&plan.grid))?, fold: compute.kernel(fold_spec())? };
+    let job = Job { compute, grid, product: compute.kernel(spec(grid))?, fold: compute.kernel(fold_spec())? };
     let buffer_bytes = tuning.buffer_bytes.min(binding_bytes);
     let sums_cap = (buffer_bytes as usize / size_of::<WaveSums>()).max(largest.div_ceil(CHUNK));
     let points_cap = buffer_bytes as usize / (8 * dim);
-    let (grid_rows, grid_columns) = (plan.grid.half_shape()[0], columns(&plan.grid));
+    let (grid_rows, grid_columns) = (grid.half_shape()[0], columns(grid));
 
-    let mut result = WavePower::new(compute.computed_by(), plan.grid.half_len(), &plan.rings);
+    let mut result = WavePower::new(compute.computed_by(), grid.half_len(), &plan.rings);
     let mut first = 0;
     while first < sizes.len() {
         // As many realizations as fit with the whole grid, or one and a part of it.
@@ -150,7 +152,7 @@ pub(super) fn wave_power(
         let overrides = &job.product.spec().overrides;
         let lanes = |name| overrides.iter().find(|o| o.0 == name).map_or(1, |o| (o.1 * BLOCK) as usize);
         let part = cut(grid_rows, grid_columns, [lanes("ROW_LANES"), lanes("COLUMN_LANES")], chunks, sums_cap);
-        let mut power = vec![vec![0f64; plan.grid.half_len()]; batch.len()];
+        let mut power = vec![vec![0f64; grid.half_len()]; batch.len()];
         gpu.guarded(NAME, || {
             let points = job.upload(ensemble, &batch, part);
             for row in (0..grid_rows).step_by(part.rows) {
@@ -165,8 +167,8 @@ pub(super) fn wave_power(
         })?;
         for (k, power) in batch.zip(&mut power) {
             // |s_0|^2 = n^2 needs no sum, and is the one value an f32 may be too short for.
-            power[plan.grid.dc()] = (sizes[k] as f64).powi(2);
-            result.add(ensemble.first_index() + k as u64, sizes[k] as u64, power.as_slice(), &plan.rings);
+            power[grid.dc()] = (sizes[k] as f64).powi(2);
+            result.add(ensemble.first_index() + k as u64, ensemble.norm(k), power.as_slice(), &plan.rings);
         }
         first = end;
     }
@@ -177,7 +179,7 @@ pub(super) fn wave_power(
 /// The kernels and the plan of one call.
 struct Job<'a> {
     compute: &'a GpuCompute,
-    plan: &'a WavePlan,
+    grid: &'a WaveGrid,
     product: std::sync::Arc<kernel::Kernel>,
     fold: std::sync::Arc<kernel::Kernel>,
 }
@@ -261,7 +263,7 @@ impl Job<'_> {
             columns: columns.len() as u32,
             row_blocks: (rows.len() as u32).div_ceil(block[0]),
             column_blocks: (columns.len() as u32).div_ceil(block[1]),
-            frequency_2: self.plan.grid.max_frequency()[2],
+            frequency_2: self.grid.max_frequency()[2],
             total_points: points.total as u32,
             ..WaveParams::default()
         };
@@ -298,7 +300,7 @@ impl Job<'_> {
         }
         let folded: Vec<[f32; 2]> = gpu.read_back(FOLD_NAME, encoder, &points.power, total)?;
 
-        let [_, n1, n2] = self.plan.grid.half_shape();
+        let [_, n1, n2] = self.grid.half_shape();
         let (plane, centre) = (n1 * n2, n1 * n2 / 2);
         for (power, folded) in power.iter_mut().zip(folded.chunks_exact(modes)) {
             for (row, folded) in rows.clone().zip(folded.chunks_exact(columns.len())) {

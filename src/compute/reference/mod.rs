@@ -2,7 +2,7 @@
 
 mod kernel_sums;
 mod pair_counts;
-mod wave_power;
+pub(in crate::compute) mod wave_power;
 use super::{Backend, Compute, ComputedBy, Control};
 use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::error::Result;
@@ -42,10 +42,10 @@ impl Compute for Reference {
     }
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        let mut sums = WavePower::new(self.computed_by(), plan.grid.half_len(), &plan.rings);
+        let mut sums = WavePower::new(self.computed_by(), plan.waves.len(), &plan.rings);
         for k in 0..ensemble.realizations() {
-            let power = wave_power::wave_power(&plan.grid, &ensemble.fractions(k), control)?;
-            sums.add(ensemble.first_index() + k as u64, ensemble.points_in(k) as u64, &power, &plan.rings);
+            let power = wave_power::wave_power(&plan.waves, &ensemble.fractions(k), ensemble.weights(k), control)?;
+            sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
         }
         sums.close_leaf();
         Ok(sums)

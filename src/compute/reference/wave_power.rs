@@ -1,44 +1,64 @@
 //! The power spectrum, by the definition.
 //!
-//! For points `x_1 .. x_n` in a box with sides `L`, and integer `m`:
+//! For points `x_1 .. x_n` with weights `w_j` (1 where there are none) in a box with sides `L`, and wave vectors `m` in cycles
+//! per side (integers on a torus):
 //!
 //! ```text
-//! s_m = sum_j exp(-2 pi i m . x_j / L)        q_m = |s_m|^2        P(m) = E q_m / E n
+//! s_m = sum_j w_j exp(-2 pi i m . x_j / L)        q_m = |s_m|^2        P(m) = E q_m / E sum_j w_j^2
 //! ```
 //!
 //! (periodogram; e.g. Heck, Schloemer, Deussen, "Blue Noise Sampling with Controlled Aliasing", TOG 2013, eq. 2, up to the
-//! name of n). `x_j / L` is a multiple of 2^-64, so `m . x_j / L mod 1` is exact in wrapping u64 arithmetic; only the
-//! sine and cosine of the reduced phase are rounded, to f64. Sums are compensated (Neumaier), so that the error does
+//! name of n). `x_j / L` is a multiple of 2^-64, so `m . x_j / L mod 1` is exact in wrapping u64 arithmetic for integer
+//! `m`; only the sine and cosine of the reduced phase are rounded, to f64. Of any other `m` the part below 1 is multiplied in
+//! f64. Sums are compensated (Neumaier), so that the error does
 //! not grow with n.
 
 use crate::compute::Control;
 use crate::error::Result;
-use crate::plan::WaveGrid;
+use crate::plan::WaveVectors;
 
 /// `m . x_j / L mod 1`, in turns, in [-1/2, 1/2).
-pub fn phase_turns(axes: &[&[u64]], m: [i32; 3], j: usize) -> f64 {
-    let mut phase = 0u64;
+pub fn phase_turns(axes: &[&[u64]], m: [f64; 3], j: usize) -> f64 {
+    let (mut phase, mut rest) = (0u64, 0.0);
     for (axis, m_k) in axes.iter().zip(m) {
-        phase = phase.wrapping_add(axis[j].wrapping_mul(i64::from(m_k) as u64));
+        phase = phase.wrapping_add(axis[j].wrapping_mul(m_k.floor() as i64 as u64));
+        rest += (m_k - m_k.floor()) * (axis[j] as f64 / 2f64.powi(64));
     }
-    phase as i64 as f64 / 2f64.powi(64)
+    let turns = phase as i64 as f64 / 2f64.powi(64) + rest;
+    turns - turns.round()
 }
 
-/// `|s_m|^2` for every stored mode of the grid. `axes[a][j]` is the fraction of point `j` along axis `a`.
-pub(super) fn wave_power(grid: &WaveGrid, axes: &[&[u64]], control: &Control) -> Result<Vec<f64>> {
-    let mut power = Vec::with_capacity(grid.half_len());
-    for index in 0..grid.half_len() {
+/// `|s_m|^2` for every stored mode.
+pub(super) fn wave_power(
+    waves: &WaveVectors,
+    axes: &[&[u64]],
+    weights: Option<&[f64]>,
+    control: &Control,
+) -> Result<Vec<f64>> {
+    Ok(amplitudes(waves, axes, weights, control)?.into_iter().map(|[re, im]| re * re + im * im).collect())
+}
+
+/// `s_m`, real and imaginary part, for every stored mode. `axes[a][j]` is the fraction of point `j` along axis `a`.
+pub(in crate::compute) fn amplitudes(
+    waves: &WaveVectors,
+    axes: &[&[u64]],
+    weights: Option<&[f64]>,
+    control: &Control,
+) -> Result<Vec<[f64; 2]>> {
+    let mut amplitudes = Vec::with_capacity(waves.len());
+    for index in 0..waves.len() {
         control.check()?;
-        let m = grid.mode(index);
+        let m = waves.vector(index);
         let (mut re, mut im) = (Compensated::default(), Compensated::default());
         for j in 0..axes[0].len() {
             let (sin, cos) = (std::f64::consts::TAU * phase_turns(axes, m, j)).sin_cos();
-            re.add(cos);
-            im.add(-sin);
+            let weight = weights.map_or(1.0, |w| w[j]);
+            re.add(weight * cos);
+            im.add(-weight * sin);
         }
-        power.push(re.sum().powi(2) + im.sum().powi(2));
+        amplitudes.push([re.sum(), im.sum()]);
     }
-    Ok(power)
+    Ok(amplitudes)
 }
 
 /// A sum that carries its rounding error (Neumaier 1974).

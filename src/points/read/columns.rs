@@ -31,7 +31,7 @@ impl FromStr for Column {
 /// Which columns are no coordinates.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {
-    /// `--weight-column`: numbers, finite and at least 0.
+    /// `--weight-column`: finite numbers.
     pub weight: Option<Column>,
     /// `--class-column`: text, or numbers that serve as text.
     pub class: Option<Column>,
@@ -140,8 +140,8 @@ impl MarkedPoints {
 
 /// What weights may be.
 pub(super) fn check_weight(weight: f64) -> Result<(), String> {
-    if weight.is_finite() && weight >= 0.0 {
+    if weight.is_finite() {
         return Ok(());
     }
-    Err(format!("weight {weight}; weights must be finite and at least 0"))
+    Err(format!("weight {weight}; weights must be finite"))
 }

@@ -1,0 +1,74 @@
+//! Rings of constant frequency.
+
+use super::{WaveGrid, WaveVectors};
+use crate::points::Domain;
+
+/// Rings of constant frequency: which stored modes each of them holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rings {
+    /// `1 / longest side`, in cycles per unit length.
+    pub fundamental: f64,
+    /// Number of rings.
+    pub count: usize,
+    /// Per ring: its lower end, its label and its upper end, in cycles per unit length.
+    pub bounds: Vec<[f64; 3]>,
+    /// Ring (1-based) of each stored mode, 0 for none.
+    pub ring_of: Vec<u32>,
+    /// How many members of its ring each stored mode stands for.
+    pub times: Vec<u8>,
+    /// Members per ring (index `k - 1`).
+    pub modes: Vec<u64>,
+    /// How many of them are independent: P(-m) = P(m).
+    pub independent: Vec<u64>,
+}
+
+impl Rings {
+    /// Ring `k` (1-based) holds the modes with `nu / nu_1` in `[k - 1/2, k + 1/2)`, where `nu = |m / L|` and
+    /// `nu_1 = 1 / max L`; only rings that lie whole inside the grid. DC is in none, and a list has none.
+    pub fn new(waves: &WaveVectors, domain: &Domain) -> Self {
+        let longest = domain.sides().iter().copied().fold(0.0, f64::max);
+        let fundamental = 1.0 / longest;
+        let Some(grid) = waves.grid() else { return Self::none(fundamental, waves.len()) };
+        let ratios: Vec<f64> = domain.sides().iter().map(|s| longest / s).collect();
+        let count = whole_rings(grid, &ratios);
+        let ring = |index: usize| {
+            let m = grid.mode(index);
+            let squared: f64 = (0..grid.dim()).map(|k| (f64::from(m[k]) * ratios[k]).powi(2)).sum();
+            // |m| is never exactly a half integer for integer m (4|m|^2 is even), so rounding is safe on a cube.
+            (squared.sqrt() + 0.5).floor() as usize
+        };
+        let ring_of: Vec<u32> = (0..grid.half_len())
+            .map(|index| match ring(index) {
+                ring if ring <= count => ring as u32,
+                _ => 0,
+            })
+            .collect();
+        let times: Vec<u8> = (0..ring_of.len()).map(|index| grid.multiplicity(index) as u8).collect();
+        let mut modes = vec![0; count];
+        for (&ring, &times) in ring_of.iter().zip(&times).filter(|(ring, _)| **ring > 0) {
+            modes[ring as usize - 1] += u64::from(times);
+        }
+        let bounds = (1..=count).map(|k| [-0.5, 0.0, 0.5].map(|d| (k as f64 + d) * fundamental)).collect();
+        let independent = modes.iter().map(|m| m / 2).collect();
+        Self { fundamental, count, bounds, ring_of, times, modes, independent }
+    }
+
+    /// No rings.
+    pub fn none(fundamental: f64, stored: usize) -> Self {
+        Self {
+            fundamental,
+            count: 0,
+            bounds: Vec::new(),
+            ring_of: vec![0; stored],
+            times: vec![0; stored],
+            modes: Vec::new(),
+            independent: Vec::new(),
+        }
+    }
+}
+
+/// Ring k is whole if every mode just outside the grid lies at or beyond its upper end k + 1/2.
+fn whole_rings(grid: &WaveGrid, ratios: &[f64]) -> usize {
+    let outside = grid.max_frequency().into_iter().zip(ratios).map(|(f, ratio)| f64::from(f + 1) * ratio);
+    (outside.fold(f64::INFINITY, f64::min) - 0.5).floor() as usize
+}
