@@ -12,14 +12,14 @@
 // shared/wave_unweighted or shared/wave_weighted.
 
 override DIM: u32 = 2u;
-// The workgroup has LANES >= ROW_LANES * COLUMN_LANES invocations, a multiple of ENTRIES = ROW_LANES + COLUMN_LANES.
+// The workgroup has WORKGROUP >= ROW_LANES * COLUMN_LANES invocations, a multiple of ENTRIES = ROW_LANES + COLUMN_LANES.
 override ROW_LANES: u32 = 16u;
 override COLUMN_LANES: u32 = 16u;
 override ENTRIES: u32 = 32u;
-override LANES: u32 = 256u;
+override WORKGROUP: u32 = 256u;
 // 18, or 2 where there are no rows or no columns to multiply.
 override SLOTS: u32 = 18u;
-// Points whose tables are held at a time, a multiple of LANES / ENTRIES, and TILE * ENTRIES.
+// Points whose tables are held at a time, a multiple of WORKGROUP / ENTRIES, and TILE * ENTRIES.
 override TILE: u32 = 16u;
 override TABLE_WORDS: u32 = 512u;
 // Points between settlements, a multiple of TILE.
@@ -34,7 +34,7 @@ override PANEL: u32 = 64u;
 var<workgroup> table_cos: array<Real4, TABLE_WORDS>;
 var<workgroup> table_sin: array<Real4, TABLE_WORDS>;
 
-@compute @workgroup_size(LANES)
+@compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let blocks = params.row_blocks * params.column_blocks;
     let job = params.first_job + id.x;
@@ -77,7 +77,7 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
         let panel_end = min(panel + PANEL, chunk.count);
         for (var first = panel; first < panel_end; first += TILE) {
             workgroupBarrier();
-            for (var p = lane / ENTRIES; p < TILE; p += LANES / ENTRIES) {
+            for (var p = lane / ENTRIES; p < TILE; p += WORKGROUP / ENTRIES) {
                 // Past the last point a row of zeros adds nothing.
                 let point = chunk.first + min(first + p, chunk.count - 1u);
                 let weight = select(Real(0), point_weight(point), first + p < panel_end);

@@ -2,7 +2,7 @@
 // in memory, the rest stays where it is. So the error of a chunk is that of its panels alone. A panel has at most 127 points
 // and a chunk at most 2^15, of weights up to 1.
 
-// Of each workgroup, SLOTS * LANES integers in steps of 2^-15, then as many rests: the bits of f32.
+// Of each workgroup, SLOTS * WORKGROUP integers in steps of 2^-15, then as many rests: the bits of f32.
 @group(0) @binding(3) var<storage, read_write> sums: array<vec4<i32>>;
 
 struct Settlement {
@@ -14,7 +14,7 @@ struct Settlement {
 }
 
 fn settle(at: Settlement, slot: u32, sum: vec4<f32>) -> vec4<f32> {
-    let place = (at.group * 2u * SLOTS + slot) * LANES + at.lane;
+    let place = (at.group * 2u * SLOTS + slot) * WORKGROUP + at.lane;
     // Numbers next to 384 are multiples of 2^-15. A compiler that knew them would take (sum + 384) - 384 for sum.
     let near = bitcast<vec4<u32>>(sum + vec4<f32>(384.0)) ^ vec4<u32>(params.zero);
     let steps = bitcast<vec4<i32>>(near - vec4<u32>(0x43c00000u));
@@ -25,7 +25,7 @@ fn settle(at: Settlement, slot: u32, sum: vec4<f32>) -> vec4<f32> {
         sums[place] += steps;
     }
     if (at.last) {
-        sums[place + SLOTS * LANES] = bitcast<vec4<i32>>(rest);
+        sums[place + SLOTS * WORKGROUP] = bitcast<vec4<i32>>(rest);
     }
     return rest;
 }

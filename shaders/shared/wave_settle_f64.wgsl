@@ -1,6 +1,6 @@
 // Sums in f64, which need no panels: they are written when the chunk ends.
 
-// Of each workgroup, SLOTS * LANES.
+// Of each workgroup, SLOTS * WORKGROUP.
 @group(0) @binding(3) var<storage, read_write> sums: array<vec4<f64>>;
 
 struct Settlement {
@@ -13,7 +13,7 @@ struct Settlement {
 
 fn settle(at: Settlement, slot: u32, sum: vec4<f64>) -> vec4<f64> {
     if (at.last) {
-        sums[(at.group * SLOTS + slot) * LANES + at.lane] = sum;
+        sums[(at.group * SLOTS + slot) * WORKGROUP + at.lane] = sum;
     }
     return sum;
 }

@@ -4,7 +4,7 @@
 // per block and chunk of points. Row 0 and column 0 need no product, so grids of a power of two fill blocks exactly.
 // Four rows or four columns are one table entry; ENTRIES = ROW_LANES + COLUMN_LANES.
 //
-// A workgroup owns SLOTS * LANES sums of a Real4 each: slot 0 and 1 are the cosines and sines of table entry lane % ENTRIES,
+// A workgroup of LANES invocations owns SLOTS * LANES sums of a Real4 each: slot 0 and 1 are the cosines and sines of table entry lane % ENTRIES,
 // over every (LANES / ENTRIES)th point; slots 2 + 4 r + (0, 1, 2, 3) are cos cos, sin sin, cos sin and sin cos of row r and
 // four columns of the invocation. Consecutive invocations lie side by side.
 
