@@ -3,6 +3,8 @@
 //! hardware ones by the clock on the wall), so that other load hardly matters; each is the best of several repetitions,
 //! and the calibrator runs between them.
 
+mod naive_spectrum;
+
 use std::time::Instant;
 
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
@@ -26,7 +28,11 @@ fn main() {
         table(cpu, true);
     }
     match GpuCompute::open(AdapterChoice::Any) {
-        Ok(gpu) => table(&gpu, gpu.gpu().summary().software),
+        Ok(gpu) => {
+            let summary = gpu.gpu().summary().clone();
+            table(&gpu, summary.software);
+            naive(&gpu, summary.index, summary.software);
+        }
         Err(why) => println!("\nGPU not measured: {why}"),
     }
 }
@@ -91,17 +97,24 @@ fn table(device: &dyn Compute, by_processor: bool) {
         (Accuracy::Fast, 1024, 16, 64),
         (Accuracy::Fast, 65_536, 1, 64),
         (Accuracy::Fast, 16_384, 1, 256),
+        (Accuracy::Fast, 65_536, 1, 256),
+        (Accuracy::Fast, 4096, 1000, 64),
+        (Accuracy::Fast, 4096, 1, 127),
         (Accuracy::High, 16_384, 1, 64),
         (Accuracy::High, 8192, 1, 256),
     ] {
+        // The last two are sizes for hardware.
+        if by_processor && n * k * m * m > 1 << 31 {
+            continue;
+        }
         let name = format!("spectrum 2D {}, {k} x n = {n}, M = {m}", accuracy.name());
         if !wanted(&name) {
             continue;
         }
         let ensemble = uniform(2, n, k);
-        let Ok(grid) = WaveGrid::new(&[m, m]) else { continue };
+        let Ok(grid) = WaveGrid::new(&[m as u32, m as u32]) else { continue };
         let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape(&ensemble)) else { continue };
-        let gflop = 8.0 * (n * k) as f64 * f64::from((m + 1) * (m + 1)) * 1e-9;
+        let gflop = gflop(n * k, m);
         if device.supports_wave_power(&plan).is_err() {
             continue;
         }
@@ -111,6 +124,37 @@ fn table(device: &dyn Compute, by_processor: bool) {
         print(&name, rate, "GFLOP/s", limit);
     }
     println!("{:<52} {limit:>10.2} {:>12}", "f32 multiply-add limit", "GFLOP/s");
+}
+
+fn gflop(points: usize, m: usize) -> f64 {
+    8.0 * points as f64 * (m + 1).pow(2) as f64 * 1e-9
+}
+
+/// A sine and a cosine per term against the product, on the same device and points.
+fn naive(gpu: &GpuCompute, adapter: usize, by_processor: bool) {
+    let (n, m) = if by_processor { (4096, 64) } else { (65_536, 256) };
+    let name = format!("spectrum 2D naive, 1 x n = {n}, M = {m}");
+    if !wanted(&name) {
+        return;
+    }
+    let ensemble = uniform(2, n, 1);
+    let fraction = |axis: usize, j: usize| (ensemble.all_fractions(axis)[j] >> 40) as f32 / (1 << 24) as f32;
+    let points: Vec<[f32; 2]> = (0..n).map(|j| [fraction(0, j), fraction(1, j)]).collect();
+    let Ok(grid) = WaveGrid::new(&[m as u32, m as u32]) else { return };
+    let Ok(plan) = WavePlan::new(ensemble.domain(), grid, Accuracy::Fast, shape(&ensemble)) else { return };
+    let Ok(naive) = naive_spectrum::Naive::new(adapter, &points, m as u32) else { return };
+    // Both compute the same thing.
+    let (Ok(theirs), Ok(ours)) = (naive.run(), gpu.wave_power(&plan, &ensemble, &Control::default())) else { return };
+    for (a, b) in theirs.iter().zip(ours.mode_totals().q) {
+        assert!((f64::from(*a) - b).abs() <= 1e-2 * (n as f64 + b), "{a} against {b}");
+    }
+    let (level, mut limit) = (SimdLevel::detect(), 0.0);
+    let slow = best(level, &mut limit, by_processor, gflop(n, m), || assert!(naive.run().is_ok()));
+    let fast = best(level, &mut limit, by_processor, gflop(n, m), || {
+        assert!(gpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+    });
+    print(&name, slow, "GFLOP/s", limit);
+    println!("the product is {:.1} times as fast as a sine and a cosine per term", fast / slow);
 }
 
 /// `cargo bench --bench throughput -- WORD...` keeps the rows that contain every word.
