@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, EnsembleShape, Rings, WaveVectors};
+use super::{Accuracy, Batch, EnsembleShape, RING_DIRECTIONS_RULE, Rings, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
@@ -89,6 +89,7 @@ impl fmt::Display for WavePlan {
                 let axes: Vec<_> = grid.max_frequency()[..grid.dim()].iter().map(u32::to_string).collect();
                 format!("|m| <= {}", axes.join(", "))
             }
+            WaveVectors::List(list) if list.mirrored => format!("{} pairs of wave vectors", list.vectors.len()),
             WaveVectors::List(list) => format!("{} wave vectors", list.vectors.len()),
         };
         writeln!(f, "wave_power: {waves}, {} rings, {:.3e} flop", self.rings.count, self.flop())?;
@@ -98,6 +99,9 @@ impl fmt::Display for WavePlan {
             self.accuracy.name()
         )?;
         writeln!(f, "  {}", self.batch)?;
+        if matches!(&self.waves, WaveVectors::List(list) if list.mirrored) {
+            writeln!(f, "  {RING_DIRECTIONS_RULE}")?;
+        }
         if let Some(grid) = self.waves.grid() {
             writeln!(f, "  skipped: {} modes that are mirror images", grid.full_len() - grid.half_len())?;
         }
