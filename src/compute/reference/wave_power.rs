@@ -70,7 +70,7 @@ pub(in crate::compute) fn total(values: impl Iterator<Item = f64>) -> f64 {
 
 /// A sum that carries its rounding error (Neumaier 1974).
 #[derive(Default)]
-struct Compensated {
+pub(in crate::compute) struct Compensated {
     sum: f64,
     error: f64,
 }
@@ -82,7 +82,15 @@ impl Compensated {
         self.sum = s;
     }
 
-    fn sum(&self) -> f64 {
+    pub(in crate::compute) fn sum(&self) -> f64 {
         self.sum + self.error
+    }
+}
+
+impl FromIterator<f64> for Compensated {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        let mut sum = Self::default();
+        values.into_iter().for_each(|x| sum.add(x));
+        sum
     }
 }
