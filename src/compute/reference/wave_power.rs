@@ -61,6 +61,13 @@ pub(in crate::compute) fn amplitudes(
     Ok(amplitudes)
 }
 
+/// The sum of all values, as accurate as the sums of the definition.
+pub(in crate::compute) fn total(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sum = Compensated::default();
+    values.for_each(|x| sum.add(x));
+    sum.sum()
+}
+
 /// A sum that carries its rounding error (Neumaier 1974).
 #[derive(Default)]
 pub(in crate::compute) struct Compensated {
