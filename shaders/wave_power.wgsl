@@ -34,6 +34,37 @@ override PANEL: u32 = 64u;
 var<workgroup> table_cos: array<Real4, TABLE_WORDS>;
 var<workgroup> table_sin: array<Real4, TABLE_WORDS>;
 
+// The sums of 4 rows by 4 columns: cos cos, sin sin, cos sin and sin cos of each row and all columns.
+struct Product {
+    cc0: Real4, ss0: Real4, cs0: Real4, sc0: Real4,
+    cc1: Real4, ss1: Real4, cs1: Real4, sc1: Real4,
+    cc2: Real4, ss2: Real4, cs2: Real4, sc2: Real4,
+    cc3: Real4, ss3: Real4, cs3: Real4, sc3: Real4,
+}
+
+fn multiply(sums: ptr<function, Product>, p: u32, row: u32, column: u32) {
+    let rc = table_cos[p * ENTRIES + row];
+    let rs = table_sin[p * ENTRIES + row];
+    let c = table_cos[p * ENTRIES + column];
+    let s = table_sin[p * ENTRIES + column];
+    (*sums).cc0 = fma(rc.xxxx, c, (*sums).cc0);
+    (*sums).ss0 = fma(rs.xxxx, s, (*sums).ss0);
+    (*sums).cs0 = fma(rc.xxxx, s, (*sums).cs0);
+    (*sums).sc0 = fma(rs.xxxx, c, (*sums).sc0);
+    (*sums).cc1 = fma(rc.yyyy, c, (*sums).cc1);
+    (*sums).ss1 = fma(rs.yyyy, s, (*sums).ss1);
+    (*sums).cs1 = fma(rc.yyyy, s, (*sums).cs1);
+    (*sums).sc1 = fma(rs.yyyy, c, (*sums).sc1);
+    (*sums).cc2 = fma(rc.zzzz, c, (*sums).cc2);
+    (*sums).ss2 = fma(rs.zzzz, s, (*sums).ss2);
+    (*sums).cs2 = fma(rc.zzzz, s, (*sums).cs2);
+    (*sums).sc2 = fma(rs.zzzz, c, (*sums).sc2);
+    (*sums).cc3 = fma(rc.wwww, c, (*sums).cc3);
+    (*sums).ss3 = fma(rs.wwww, s, (*sums).ss3);
+    (*sums).cs3 = fma(rc.wwww, s, (*sums).cs3);
+    (*sums).sc3 = fma(rs.wwww, c, (*sums).sc3);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let blocks = params.row_blocks * params.column_blocks;
@@ -68,10 +99,7 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
     let column = ROW_LANES + min(lane / ROW_LANES, COLUMN_LANES - 1u);
 
     var line_cos = Real4(); var line_sin = Real4();
-    var cc0 = Real4(); var ss0 = Real4(); var cs0 = Real4(); var sc0 = Real4();
-    var cc1 = Real4(); var ss1 = Real4(); var cs1 = Real4(); var sc1 = Real4();
-    var cc2 = Real4(); var ss2 = Real4(); var cs2 = Real4(); var sc2 = Real4();
-    var cc3 = Real4(); var ss3 = Real4(); var cs3 = Real4(); var sc3 = Real4();
+    var product = Product();
 
     for (var panel = 0u; panel < chunk.count; panel += PANEL) {
         let panel_end = min(panel + PANEL, chunk.count);
@@ -94,15 +122,12 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
             }
             workgroupBarrier();
             if (SLOTS > 2u) {
-                for (var p = 0u; p < TILE; p++) {
-                    let rc = table_cos[p * ENTRIES + row];
-                    let rs = table_sin[p * ENTRIES + row];
-                    let c = table_cos[p * ENTRIES + column];
-                    let s = table_sin[p * ENTRIES + column];
-                    cc0 = fma(rc.xxxx, c, cc0); ss0 = fma(rs.xxxx, s, ss0); cs0 = fma(rc.xxxx, s, cs0); sc0 = fma(rs.xxxx, c, sc0);
-                    cc1 = fma(rc.yyyy, c, cc1); ss1 = fma(rs.yyyy, s, ss1); cs1 = fma(rc.yyyy, s, cs1); sc1 = fma(rs.yyyy, c, sc1);
-                    cc2 = fma(rc.zzzz, c, cc2); ss2 = fma(rs.zzzz, s, ss2); cs2 = fma(rc.zzzz, s, cs2); sc2 = fma(rs.zzzz, c, sc2);
-                    cc3 = fma(rc.wwww, c, cc3); ss3 = fma(rs.wwww, s, ss3); cs3 = fma(rc.wwww, s, cs3); sc3 = fma(rs.wwww, c, sc3);
+                // Loops are counted by the checks of wgpu, too.
+                for (var p = 0u; p < TILE; p += 4u) {
+                    multiply(&product, p, row, column);
+                    multiply(&product, p + 1u, row, column);
+                    multiply(&product, p + 2u, row, column);
+                    multiply(&product, p + 3u, row, column);
                 }
             }
         }
@@ -110,10 +135,22 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
         line_cos = settle(at, 0u, line_cos);
         line_sin = settle(at, 1u, line_sin);
         if (SLOTS > 2u) {
-            cc0 = settle(at, 2u, cc0); ss0 = settle(at, 3u, ss0); cs0 = settle(at, 4u, cs0); sc0 = settle(at, 5u, sc0);
-            cc1 = settle(at, 6u, cc1); ss1 = settle(at, 7u, ss1); cs1 = settle(at, 8u, cs1); sc1 = settle(at, 9u, sc1);
-            cc2 = settle(at, 10u, cc2); ss2 = settle(at, 11u, ss2); cs2 = settle(at, 12u, cs2); sc2 = settle(at, 13u, sc2);
-            cc3 = settle(at, 14u, cc3); ss3 = settle(at, 15u, ss3); cs3 = settle(at, 16u, cs3); sc3 = settle(at, 17u, sc3);
+            product.cc0 = settle(at, 2u, product.cc0);
+            product.ss0 = settle(at, 3u, product.ss0);
+            product.cs0 = settle(at, 4u, product.cs0);
+            product.sc0 = settle(at, 5u, product.sc0);
+            product.cc1 = settle(at, 6u, product.cc1);
+            product.ss1 = settle(at, 7u, product.ss1);
+            product.cs1 = settle(at, 8u, product.cs1);
+            product.sc1 = settle(at, 9u, product.sc1);
+            product.cc2 = settle(at, 10u, product.cc2);
+            product.ss2 = settle(at, 11u, product.ss2);
+            product.cs2 = settle(at, 12u, product.cs2);
+            product.sc2 = settle(at, 13u, product.sc2);
+            product.cc3 = settle(at, 14u, product.cc3);
+            product.ss3 = settle(at, 15u, product.ss3);
+            product.cs3 = settle(at, 16u, product.cs3);
+            product.sc3 = settle(at, 17u, product.sc3);
         }
     }
 }
