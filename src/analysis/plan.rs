@@ -7,7 +7,7 @@ use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan,
+    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape, Kernel, KernelPlan,
     LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
 };
 use crate::points::Domain;
@@ -112,7 +112,13 @@ impl Plan {
                 Some(each) => each.to_vec(),
                 None => WaveGrid::default_max_frequency(shape.mean_points, domain),
             };
-            Some(WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?)
+            let waves = WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?;
+            // Directions of what is not 2D are refused, in their own words.
+            let sectors = request.sectors.or((domain.dim() == 2).then_some(DEFAULT_SECTORS));
+            Some(match sectors {
+                Some(count) => waves.with_sectors(count)?,
+                None => waves,
+            })
         } else {
             None
         };

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, EnsembleShape, Rings, WaveVectors};
+use super::{Accuracy, Batch, EnsembleShape, Rings, Sectors, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
@@ -59,6 +59,12 @@ impl WavePlan {
             _ => WaveRoad::DirectF64,
         };
         Ok(Self { domain: domain.clone(), waves, rings, accuracy, road, shape, batch })
+    }
+
+    /// The same with power summed by direction (2D).
+    pub fn with_sectors(mut self, count: usize) -> Result<Self> {
+        self.rings.sectors = Sectors::new(count, &self.waves, &self.rings, &self.domain)?;
+        Ok(self)
     }
 
     /// Floating-point operations of the matrix products: 8 per point, row and column.
