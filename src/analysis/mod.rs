@@ -20,7 +20,7 @@ use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum, VectorCorrelation,
+    RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, LagPlan};
 use crate::points::{Domain, Ensemble};
@@ -60,6 +60,8 @@ pub struct Analysis {
     pub grid_wanted: bool,
     /// Radial mean and anisotropy.
     pub radial: Option<RadialSpectrum>,
+    /// What else is read off P.
+    pub details: Option<SpectrumDetails>,
     /// Nearest-neighbour statistics.
     pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
@@ -251,6 +253,14 @@ pub fn run(
         }
         _ => None,
     };
+    let details = match (&plan.waves, &sums.waves, &spectrum, &radial) {
+        (Some(plan), Some(sums), Some(spectrum), Some(radial)) => {
+            // Lag counts take every point alike.
+            let vector = vector.as_ref().filter(|_| request.input.weight_column.is_none());
+            Some(SpectrumDetails::new(plan, sums, spectrum, radial, pair_correlation.as_ref(), vector))
+        }
+        _ => None,
+    };
     let closed_form = closed_form(source, &plan, request.normalization, pair_correlation.as_ref());
     clock.add("estimates", start.elapsed().as_secs_f64());
     Ok(Analysis {
@@ -269,6 +279,7 @@ pub fn run(
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,
+        details,
         neighbors,
         closed_form,
         accuracy: request.accuracy,

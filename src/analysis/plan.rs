@@ -7,8 +7,9 @@ use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan,
-    LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WaveList, WavePlan, WaveVectors,
+    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape,
+    Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WaveList,
+    WavePlan, WaveVectors,
 };
 use crate::points::Domain;
 use crate::points::read::{read_edges, read_frequencies};
@@ -117,7 +118,14 @@ impl Plan {
                 (None, Some(n)) => WaveList::ring_directions(domain, &frequencies, n)?.into(),
                 (None, None) => WaveVectors::from(WaveGrid::new(&frequencies)?),
             };
-            Some(WavePlan::new(domain, waves, request.accuracy, shape)?)
+            // Directions of what is not 2D are refused, in their own words.
+            let all_directions = domain.dim() == 2 && waves.grid().is_some();
+            let sectors = request.sectors.or(all_directions.then_some(DEFAULT_SECTORS));
+            let waves = WavePlan::new(domain, waves, request.accuracy, shape)?;
+            Some(match sectors {
+                Some(count) => waves.with_sectors(count)?,
+                None => waves,
+            })
         } else {
             None
         };

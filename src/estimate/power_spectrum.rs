@@ -1,5 +1,6 @@
 //! Wave power -> the power spectrum P(m) on the integer grid.
 
+use super::confidence::{Band, Realizations};
 use super::{ErrorSource, ratio_standard_error};
 use crate::accumulate::{PowerMoments, WavePower};
 use crate::plan::{WavePlan, WaveVectors};
@@ -18,6 +19,7 @@ pub struct PowerSpectrum {
     pub p_se: Vec<f64>,
     /// Where `p_se` comes from.
     pub errors: ErrorSource,
+    realizations: Realizations,
 }
 
 impl PowerSpectrum {
@@ -25,7 +27,13 @@ impl PowerSpectrum {
     pub fn new(plan: &WavePlan, power: &WavePower) -> Self {
         let modes = power.mode_totals();
         let (p, p_se) = ratio_estimate(power, &modes, |_| 1.0, |_| 1.0);
-        Self { waves: plan.waves.clone(), p, p_se, errors: ErrorSource::of(power.realizations) }
+        Self {
+            waves: plan.waves.clone(),
+            p,
+            p_se,
+            errors: ErrorSource::of(power.realizations),
+            realizations: realizations(power),
+        }
     }
 
     /// P at a mode of the whole grid; `None` for a list.
@@ -33,11 +41,24 @@ impl PowerSpectrum {
         Some(self.p[self.waves.grid()?.half_index(m)])
     }
 
+    /// The band that holds P at each stored mode; none at m = 0, where P is no fluctuation.
+    pub fn bands(&self) -> Vec<Option<Band>> {
+        let zero = |k: usize| self.waves.vector(k) == [0.0; 3];
+        let band = |k: usize| Band::new(self.p[k], self.p_se[k], self.realizations, 1.0);
+        (0..self.p.len()).map(|k| band(k).filter(|_| !zero(k))).collect()
+    }
+
     /// P and its standard error at m = 0, if that is among the wave vectors.
     pub fn dc(&self) -> Option<(f64, f64)> {
         let dc = self.waves.dc()?;
         Some((self.p[dc], self.p_se[dc]))
     }
+}
+
+/// The realizations behind sums of power.
+pub(super) fn realizations(power: &WavePower) -> Realizations {
+    let [n1, n2] = power.norm_totals();
+    Realizations { count: power.realizations, effective: n1 * n1 / n2 }
 }
 
 /// `P` and its standard error from the moments of q (or of ring sums of q over `members` modes). `independent` is the

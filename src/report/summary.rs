@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::spectrum_numbers::{BandsOut, ConsistencyOut, ScalarsOut};
 use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
@@ -35,6 +36,8 @@ struct Summary<'a> {
     vector_correlation: Option<VectorOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
+    spectrum_scalars: Option<ScalarsOut>,
+    consistency: Option<ConsistencyOut>,
     neighbors: Option<NeighborsOut>,
     duplicates: u64,
     closed_form: Option<&'a str>,
@@ -157,6 +160,7 @@ struct RadialOut {
     directions: &'static str,
     errors: ErrorSource,
     anisotropy_reference_db: f64,
+    bands: BandsOut,
 }
 
 #[derive(Serialize)]
@@ -293,7 +297,10 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             errors: r.errors,
             // -10 log10 1 is -0.
             anisotropy_reference_db: r.anisotropy_reference_db + 0.0,
+            bands: BandsOut::new(r),
         }),
+        spectrum_scalars: a.details.as_ref().map(ScalarsOut::new),
+        consistency: a.details.as_ref().and_then(ConsistencyOut::new),
         neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
             distances: n.distances,
             functions: FunctionsOut {
