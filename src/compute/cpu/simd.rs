@@ -5,6 +5,7 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
+use super::nufft::Band;
 use super::phase_tables::{Panel, Table, fill};
 
 /// Instruction sets with kernels of their own, in rising order.
@@ -89,6 +90,31 @@ fn fill_f64_avx512(table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: us
 #[target_feature(enable = "avx2,fma")]
 fn fill_f64_avx2(table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: usize) {
     fill::f64::<true>(table, panel, out, stride);
+}
+
+/// Spreads the points of a band.
+pub(super) fn spread(level: SimdLevel, band: Band<'_>, weighted: bool) {
+    match level {
+        // SAFETY: the level was detected.
+        #[cfg(target_arch = "x86_64")]
+        SimdLevel::Avx512 => unsafe { spread_avx512(band, weighted) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        SimdLevel::Avx2 => unsafe { spread_avx2(band, weighted) },
+        _ => band.spread::<false>(weighted),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+fn spread_avx512(band: Band<'_>, weighted: bool) {
+    band.spread::<true>(weighted);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn spread_avx2(band: Band<'_>, weighted: bool) {
+    band.spread::<true>(weighted);
 }
 
 /// `to += from`: the sums of a panel join those of all points.
