@@ -99,22 +99,20 @@ impl Transform {
         (numbers.sum::<usize>() * size_of::<Complex<f64>>()) as u64
     }
 
-    pub(super) fn worker(&self) -> Worker {
-        let zeros = |len| vec![Complex::default(); len];
+    /// Makes a worker fit.
+    pub(super) fn prepare(&self, worker: &mut Worker) {
         let last = self.axes.len() - 1;
-        let axis = |(a, axis): (usize, &AxisTransform)| {
+        worker.axes.resize_with(self.axes.len(), AxisWorker::default);
+        for (a, (axis, worker)) in self.axes.iter().zip(&mut worker.axes).enumerate() {
             let (line, scratch) = match &axis.fft {
                 AxisFft::Real(fft) => (fft.complex_len(), fft.get_scratch_len()),
                 AxisFft::Complex(fft) => (fft.len().next_multiple_of(BLOCK), fft.get_inplace_scratch_len()),
             };
-            AxisWorker {
-                line: zeros(line),
-                slabs: zeros(if a == 0 { 0 } else { self.modes(a) * BLOCK }),
-                columns: zeros(if a < last { self.columns(a) } else { 0 }),
-                scratch: zeros(scratch),
-            }
-        };
-        Worker { axes: self.axes.iter().enumerate().map(axis).collect() }
+            worker.line.resize(line, Complex::default());
+            worker.slabs.resize(if a == 0 { 0 } else { self.modes(a) * BLOCK }, Complex::default());
+            worker.columns.resize(if a < last { self.columns(a) } else { 0 }, Complex::default());
+            worker.scratch.resize(scratch, Complex::default());
+        }
     }
 
     /// The amplitudes of the grid `cells`, which it overwrites, as `finish` makes them, in the order of `WaveGrid`. `columns`
