@@ -18,6 +18,7 @@ mod taper;
 mod wave_grid;
 mod wave_plan;
 mod wave_rings;
+mod wave_road;
 mod wave_vectors;
 
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
@@ -37,8 +38,9 @@ pub use ring_directions::RING_DIRECTIONS_RULE;
 pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
 pub use taper::{Debias, Taper};
 pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
-pub use wave_plan::{WavePlan, WaveRoad};
+pub use wave_plan::WavePlan;
 pub use wave_rings::Rings;
+pub use wave_road::{NufftCosts, ProductCosts, RoadEstimate, WaveCosts, WaveRoad};
 pub use wave_vectors::{WaveList, WaveVectors};
 
 /// Number of points per realization, as far as a plan must know it.
