@@ -11,6 +11,8 @@ fn the_accuracy_table_holds_the_constants() {
         ("max \\|P - P_ref\\| / (1 + P_ref), uniform", fast.max_uniform, high.max_uniform),
         ("rms of P - P_ref", fast.rms_uniform, high.rms_uniform),
         ("largest P where a rank-1 lattice", fast.lattice_zero, high.lattice_zero),
+        ("jittered lattice", fast.jittered_median, high.jittered_median),
+        ("table of cosines and sines", fast.table_entry, high.table_entry),
         ("any points: the same, per", fast.max_any_per_root_n, high.max_any_per_root_n),
     ] {
         let line = README.lines().find(|l| l.contains(row)).unwrap_or_else(|| panic!("no row `{row}`"));

@@ -129,6 +129,8 @@ impl Plan {
         } else {
             None
         };
+        let grid_wanted = wants(Statistic::Spectrum);
+        let waves = waves.map(|w| WavePlan { rings_only: !grid_wanted && w.rings.count > 0, ..w });
         let batches = [
             pairs.as_ref().map(|p| p.batch),
             kernel.as_ref().map(|k| k.pairs.batch),
@@ -139,7 +141,6 @@ impl Plan {
             neighbors.as_ref().map(|n| n.batch),
         ];
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(1);
-        let grid_wanted = wants(Statistic::Spectrum);
         // g, the kernel estimate, K and L, G and F.
         let curves = usize::from(pcf) + usize::from(kernel.is_some()) + 2 * usize::from(k_function);
         let values =
@@ -184,6 +185,7 @@ impl Plan {
             classes: self.classes.map(|c| Classes { pairs: suited(c.pairs), ..c }),
             kernel: self.kernel.map(|k| KernelPlan { pairs: suited(k.pairs), ..k }),
             search: self.search.map(|s| BandwidthSearch { pairs: suited(s.pairs), ..s }),
+            waves: self.waves.map(|w| WavePlan { costs: compute.wave_costs(), ..w }),
             ..self
         }
     }

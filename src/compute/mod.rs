@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, LagPlan, PairPlan, SearchCosts, WavePlan};
+use crate::plan::{KernelPlan, LagPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
 use crate::points::Ensemble;
 
 /// Which of the three ways.
@@ -123,6 +123,11 @@ pub trait Compute: Send + Sync {
     /// What searching for pairs costs here: plans that know it choose by it.
     fn search_costs(&self) -> SearchCosts {
         SearchCosts::CPU
+    }
+
+    /// What the roads to a spectrum cost here.
+    fn wave_costs(&self) -> WaveCosts {
+        WaveCosts::CPU
     }
 
     /// Ordered pairs per bin of every realization.

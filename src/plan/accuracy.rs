@@ -18,14 +18,19 @@ pub enum Accuracy {
 /// themselves: P is then off by a share of `1 + P` that grows as the square root of n.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PowerBound {
-    /// `max |P - P_ref| / (1 + P_ref)` over all modes for uniform points, n up to 65,536.
+    /// `max |P - P_ref| / (1 + P_ref)` over all modes for uniform points, n up to 1e6.
     pub max_uniform: f64,
-    /// Root mean square of `P - P_ref` for uniform points, n up to 65,536.
+    /// Root mean square of `P - P_ref` for uniform points, n up to 1e6.
     pub rms_uniform: f64,
     /// The same maximum for any points whatever, divided by `sqrt(n)`; never below `max_uniform`.
     pub max_any_per_root_n: f64,
     /// Largest `P` where a rank-1 lattice has `P = 0`, n up to 65,536; in proportion to n beyond.
     pub lattice_zero: f64,
+    /// Median of `|P - P_ref| / P_ref` for a lattice of 256 x 256 points, jittered by 1e-3 of a cell, where P goes down to
+    /// 1e-11.
+    pub jittered_median: f64,
+    /// Largest error of a cosine or sine in a table of phases, any `|m|` up to 65,536.
+    pub table_entry: f64,
 }
 
 /// Largest relative error of a sum of edge weights on the GPU, where weights are f32 and added without rounding: each weight
@@ -48,12 +53,30 @@ impl Accuracy {
     /// The promise about `P`.
     pub const fn power_bound(self) -> PowerBound {
         match self {
-            Self::Fast => {
-                PowerBound { max_uniform: 2e-5, rms_uniform: 1e-6, max_any_per_root_n: 2e-6, lattice_zero: 1e-10 }
-            }
-            Self::High => {
-                PowerBound { max_uniform: 1e-11, rms_uniform: 1e-12, max_any_per_root_n: 1e-14, lattice_zero: 1e-22 }
-            }
+            Self::Fast => PowerBound {
+                max_uniform: 1e-5,
+                rms_uniform: 6e-7,
+                max_any_per_root_n: 2e-6,
+                lattice_zero: 1e-10,
+                jittered_median: 3e-4,
+                table_entry: 2e-7,
+            },
+            Self::High => PowerBound {
+                max_uniform: 1e-11,
+                rms_uniform: 1e-12,
+                max_any_per_root_n: 1e-14,
+                lattice_zero: 1e-24,
+                jittered_median: 1e-9,
+                table_entry: 1e-15,
+            },
+        }
+    }
+
+    /// The tolerance of a NUFFT that keeps it.
+    pub const fn nufft_tolerance(self) -> f64 {
+        match self {
+            Self::Fast => 1e-7,
+            Self::High => 1e-14,
         }
     }
 

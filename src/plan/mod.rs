@@ -18,6 +18,7 @@ mod taper;
 mod wave_grid;
 mod wave_plan;
 mod wave_rings;
+mod wave_road;
 mod wave_sectors;
 mod wave_vectors;
 
@@ -38,8 +39,9 @@ pub use ring_directions::RING_DIRECTIONS_RULE;
 pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
 pub use taper::{Debias, Taper};
 pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
-pub use wave_plan::{WavePlan, WaveRoad};
+pub use wave_plan::WavePlan;
 pub use wave_rings::Rings;
+pub use wave_road::{NufftCosts, ProductCosts, RoadEstimate, WaveCosts, WaveRoad};
 pub use wave_sectors::{DEFAULT_SECTORS, MAX_SECTORS, Sectors};
 pub use wave_vectors::{WaveList, WaveVectors};
 

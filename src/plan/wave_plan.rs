@@ -2,21 +2,12 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, EnsembleShape, RING_DIRECTIONS_RULE, Rings, Sectors, WaveVectors};
+use super::{
+    Accuracy, Batch, EnsembleShape, RING_DIRECTIONS_RULE, Rings, RoadEstimate, Sectors, WaveCosts, WaveRoad,
+    WaveVectors,
+};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
-
-/// How `s_m` is summed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum WaveRoad {
-    /// By the definition, separably, tables and panels in f32.
-    DirectF32,
-    /// The same in f64.
-    DirectF64,
-    /// Spreading onto a fine grid and a Fourier transform of that, in f64.
-    Nufft,
-}
 
 /// Everything decided about the power spectrum before any phase is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,8 +22,10 @@ pub struct WavePlan {
     pub rings_only: bool,
     /// The promise to keep.
     pub accuracy: Accuracy,
-    /// How it is kept.
-    pub road: WaveRoad,
+    /// What the roads to it cost, by which each realization gets the fastest for its number of points.
+    pub costs: WaveCosts,
+    /// The road of all realizations instead.
+    pub road: Option<WaveRoad>,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -56,11 +49,28 @@ impl WavePlan {
         let rings = Rings::new(&waves, domain);
         let bytes = shape.max_points * 24 + waves.len() as u64 * 8;
         let batch = Batch::new(shape.realizations, bytes);
-        let road = match (&waves, accuracy) {
-            (WaveVectors::Grid(_), Accuracy::Fast) => WaveRoad::DirectF32,
-            _ => WaveRoad::DirectF64,
+        let costs = WaveCosts::CPU;
+        let domain = domain.clone();
+        Ok(Self { domain, waves, rings, rings_only: false, accuracy, costs, road: None, shape, batch })
+    }
+
+    /// The roads there are for a realization of `n` points, with estimates.
+    pub fn roads(&self, n: f64) -> Vec<RoadEstimate> {
+        let needed = match self.needed() {
+            Some(rings) => rings.iter().filter(|&&ring| ring > 0).count() as f64 / self.waves.len() as f64,
+            None => 1.0,
         };
-        Ok(Self { domain: domain.clone(), waves, rings, rings_only: false, accuracy, road, shape, batch })
+        WaveRoad::alternatives(&self.waves, self.accuracy, needed, n, &self.costs)
+    }
+
+    /// The road of a realization of `n` points. It depends on nothing else of the ensemble, so that the parts of a batch,
+    /// each computed by itself, are summed as in the whole.
+    pub fn road(&self, n: usize) -> WaveRoad {
+        self.road.unwrap_or_else(|| {
+            let all = self.roads(n as f64);
+            let best = all.into_iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+            best.map_or(WaveRoad::DirectF64, |best| best.road)
+        })
     }
 
     /// The ring of every stored mode (0 for none), where modes in none may be left out.
@@ -99,14 +109,27 @@ impl fmt::Display for WavePlan {
             WaveVectors::List(list) => format!("{} wave vectors", list.vectors.len()),
         };
         writeln!(f, "wave_power: {waves}, {} rings, {:.3e} flop", self.rings.count, self.flop())?;
+        let accuracy = self.accuracy.name();
+        writeln!(f, "  accuracy {accuracy}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points")?;
+        let (road, estimates) =
+            (self.road(self.shape.mean_points.round() as usize), self.roads(self.shape.mean_points));
         writeln!(
             f,
-            "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points",
-            self.accuracy.name()
+            "  road: {} for {} points; on {}, one realization:",
+            road.name(),
+            self.shape.mean_points,
+            self.costs.device
         )?;
+        for estimate in estimates {
+            writeln!(f, "    {estimate}")?;
+        }
         writeln!(f, "  {}", self.batch)?;
         if matches!(&self.waves, WaveVectors::List(list) if list.mirrored) {
             writeln!(f, "  {RING_DIRECTIONS_RULE}")?;
+        }
+        if let Some(rings) = self.needed() {
+            let outside = rings.iter().filter(|&&ring| ring == 0).count();
+            writeln!(f, "  skipped: {outside} modes in no ring")?;
         }
         if let Some(grid) = self.waves.grid() {
             writeln!(f, "  skipped: {} modes that are mirror images", grid.full_len() - grid.half_len())?;

@@ -245,6 +245,7 @@ pub(super) mod fill {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::Accuracy;
 
     /// Phases over the whole turn, and close to every multiple of an eighth.
     fn phases() -> impl Iterator<Item = u64> {
@@ -268,15 +269,50 @@ mod tests {
         assert!(worst <= 1e-7, "{worst:e}");
     }
 
+    /// Frequencies near and far, points with all 64 bits.
+    #[test]
+    fn entries_keep_the_promise_at_any_frequency() {
+        let m: Vec<[i32; 3]> =
+            [0, 1, -1, 7, 64, 1024, -4097, 30_011, 65_535, 65_536, -65_536].map(|m| [m, 0, 0]).into();
+        let table = Table::new(&[0], &m);
+        let x: Vec<u64> = (1..20_000u64).map(|k| k.wrapping_mul(0x9e37_79b9_7f4a_7c15)).collect();
+        let stride = table.width();
+        let (mut f32s, mut f64s) = (vec![0f32; x.len() * stride], vec![0f64; x.len() * stride]);
+        let panel = Panel { axes: &[&x] };
+        fill::f32::<true>(&table, &panel, &mut f32s, stride);
+        fill::f64::<true>(&table, &panel, &mut f64s, stride);
+        let mut worst = [0f64; 2];
+        for (p, &x) in x.iter().enumerate() {
+            for (k, &[m, ..]) in m.iter().enumerate() {
+                let (sin, cos) = exact(x.wrapping_mul(i64::from(m) as u64));
+                let at = p * stride + place(k);
+                for (truth, at) in [(cos, at), (sin, at + GROUP)] {
+                    let errors = [f64::from(f32s[at]) - truth, f64s[at] - truth].map(f64::abs);
+                    assert!(errors.iter().all(|e| e.is_finite()));
+                    worst = std::array::from_fn(|w| worst[w].max(errors[w]));
+                }
+            }
+        }
+        println!("entries: f32 {:e}, f64 {:e}", worst[0], worst[1]);
+        for (worst, accuracy) in worst.into_iter().zip([Accuracy::Fast, Accuracy::High]) {
+            assert!(worst <= accuracy.power_bound().table_entry, "{worst:e}");
+        }
+    }
+
+    /// Sine and cosine of the octant's own angle, so that libm is asked for nothing but a sine below pi/4.
+    fn exact(phase: u64) -> (f64, f64) {
+        let quadrant = phase.wrapping_add(1 << 61) >> 62;
+        let angle = std::f64::consts::TAU * (phase.wrapping_sub(quadrant << 62) as i64 as f64 / 2f64.powi(64));
+        let (s, c) = angle.sin_cos();
+        let (cos, sin) = [(c, s), (-s, c), (-c, -s), (s, -c)][quadrant as usize];
+        (sin, cos)
+    }
+
     #[test]
     fn f64_is_within_3e_16_over_the_whole_turn() {
         let mut worst = 0.0f64;
         for phase in phases() {
-            // Of the octant's own angle, so that libm is asked for nothing but a sine below pi/4.
-            let quadrant = phase.wrapping_add(1 << 61) >> 62;
-            let angle = std::f64::consts::TAU * (phase.wrapping_sub(quadrant << 62) as i64 as f64 / 2f64.powi(64));
-            let (s0, c0) = angle.sin_cos();
-            let (cos, sin) = [(c0, s0), (-s0, c0), (-c0, -s0), (s0, -c0)][quadrant as usize];
+            let (sin, cos) = exact(phase);
             for (c, s) in [turn_f64::<false>(phase), turn_f64::<true>(phase)] {
                 worst = worst.max((c - cos).abs()).max((s - sin).abs());
             }

@@ -1,12 +1,17 @@
-//! The power spectrum, shared between threads. Formula: see `reference`; the ways to sum it are `wave_product` (grids)
-//! and `wave_terms` (lists).
+//! The power spectrum, shared between threads. Formula: see `reference`; the ways to sum it are `wave_product` and `nufft`
+//! (grids) and `wave_terms` (lists).
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use rayon::ThreadPool;
+
 use super::Cpu;
-use super::wave_product::Product;
+use super::nufft::{self, Nufft};
+use super::wave_product::{self, Product};
 use super::wave_terms::Terms;
 use crate::accumulate::{LEAF, WavePower};
 use crate::compute::reference::wave_power::total;
@@ -66,13 +71,93 @@ pub(super) trait Road: Sync {
     ) -> Result<()>;
 }
 
-pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-    let job = Job { cpu, plan, ensemble, control };
-    match (&plan.waves, plan.road) {
-        (WaveVectors::List(list), _) => job.run(|_| Terms::new(cpu, list)),
-        (WaveVectors::Grid(grid), WaveRoad::DirectF32) => job.run(|n| Product::<f32>::new(cpu, grid, plan.needed(), n)),
-        (WaveVectors::Grid(grid), _) => job.run(|n| Product::<f64>::new(cpu, grid, plan.needed(), n)),
+/// A spectrum's sums by any of them.
+enum AnyRoad<'a> {
+    F32(Product<'a, f32>),
+    F64(Product<'a, f64>),
+    Terms(Terms<'a>),
+    /// And where DC is stored.
+    Nufft(Box<Nufft>, usize),
+}
+
+/// What a thread keeps from realization to realization.
+#[derive(Default)]
+struct Scratch {
+    f32: wave_product::Scratch<f32>,
+    f64: wave_product::Scratch<f64>,
+    nufft: nufft::Scratch,
+}
+
+impl<'a> AnyRoad<'a> {
+    fn new(cpu: &Cpu, plan: &'a WavePlan, (road, points): RoadKey, parts: usize) -> Result<Self> {
+        Ok(match (&plan.waves, road) {
+            (WaveVectors::List(list), _) => Self::Terms(Terms::new(cpu, list)),
+            (WaveVectors::Grid(grid), WaveRoad::DirectF32) => Self::F32(Product::new(cpu, grid, plan.needed(), parts)),
+            (WaveVectors::Grid(grid), WaveRoad::DirectF64) => Self::F64(Product::new(cpu, grid, plan.needed(), parts)),
+            (WaveVectors::Grid(grid), WaveRoad::Nufft) => {
+                let tolerance = plan.accuracy.nufft_tolerance();
+                Self::Nufft(Box::new(Nufft::new(grid, tolerance, points as f64, cpu.level())?), grid.dc())
+            }
+        })
     }
+
+    /// Number of parts that threads can share; none, if they share the whole otherwise.
+    fn parts(&self) -> usize {
+        match self {
+            Self::F32(road) => road.parts(),
+            Self::F64(road) => road.parts(),
+            Self::Terms(road) => road.parts(),
+            Self::Nufft(..) => 0,
+        }
+    }
+
+    /// `|s_m|^2` of the modes of a part.
+    fn part(
+        &self,
+        part: usize,
+        points: &Points<'_>,
+        scratch: &mut Scratch,
+        control: &Control,
+        mut put: impl FnMut(usize, f64),
+    ) -> Result<()> {
+        let put = |at, [re, im]: [f64; 2]| put(at, re * re + im * im);
+        match self {
+            Self::F32(road) => road.sum(part, points, &mut scratch.f32, control, put),
+            Self::F64(road) => road.sum(part, points, &mut scratch.f64, control, put),
+            Self::Terms(road) => road.sum(part, points, &mut (), control, put),
+            Self::Nufft(..) => Ok(()),
+        }
+    }
+
+    /// `|s_m|^2` of all modes. A pool takes part in what has no parts.
+    fn whole(
+        &self,
+        points: &Points<'_>,
+        scratch: &mut Scratch,
+        pool: Option<&ThreadPool>,
+        control: &Control,
+        power: &mut [f64],
+    ) -> Result<()> {
+        if let Self::Nufft(nufft, dc) = self {
+            let spread = nufft::Points { axes: &points.axes, weights: points.weights };
+            nufft.power(&spread, &mut scratch.nufft, pool, control, power)?;
+            power[*dc] = points.total_weight().powi(2);
+            return Ok(());
+        }
+        (0..self.parts()).try_for_each(|part| self.part(part, points, scratch, control, |at, q| power[at] = q))
+    }
+
+    /// Bytes of a thread's scratch, where they count.
+    fn bytes(&self, points: usize, weighted: bool) -> u64 {
+        if let Self::Nufft(nufft, _) = self { nufft.bytes(points, weighted, 1) } else { 0 }
+    }
+}
+
+/// A road, and the number of points it is made for, where that matters: a power of two, so that few are made.
+type RoadKey = (WaveRoad, usize);
+
+pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+    Job { cpu, plan, ensemble, control }.run()
 }
 
 /// `s_m` of one realization at every stored mode, real and imaginary part, in f64. `axes[a][j]` is the fraction of point
@@ -143,28 +228,49 @@ impl Job<'_> {
             .collect()
     }
 
-    /// Takes the road that `road` makes for a number of parts wanted.
-    fn run<R: Road>(&self, road: impl Fn(usize) -> R) -> Result<WavePower> {
+    fn run(&self) -> Result<WavePower> {
         let threads = self.cpu.threads() as u64;
         let leaves = self.leaves();
-        let enough = threads == 1 || leaves.len() as u64 >= 2 * threads;
+        let roads = self.roads(1)?;
         // A leaf in the making is three sums per mode beside the spectrum.
-        if enough && 4 * self.spectrum_bytes() * threads <= MEMORY_BUDGET {
-            return self.by_leaf(&leaves, &road(1));
+        let weighted = self.ensemble.weights(0).is_some();
+        let scratch = roads.iter().map(|((_, n), road)| road.bytes(*n, weighted)).max().unwrap_or(0);
+        let fits = threads * (4 * self.spectrum_bytes() + scratch) <= MEMORY_BUDGET;
+        if fits && (threads == 1 || leaves.len() as u64 >= 2 * threads) {
+            return self.by_leaf(&leaves, &roads);
         }
-        self.by_part(road)
+        self.by_part()
     }
 
     fn spectrum_bytes(&self) -> u64 {
         self.plan.waves.len() as u64 * 8
     }
 
+    fn key(&self, k: usize) -> RoadKey {
+        let n = self.ensemble.points_in(k);
+        match self.plan.road(n) {
+            WaveRoad::Nufft => (WaveRoad::Nufft, n.next_power_of_two()),
+            direct => (direct, 0),
+        }
+    }
+
+    /// The roads that realizations take, made for a number of parts.
+    fn roads(&self, parts: usize) -> Result<HashMap<RoadKey, AnyRoad<'_>>> {
+        let mut roads = HashMap::new();
+        for k in 0..self.ensemble.realizations() {
+            if let Entry::Vacant(road) = roads.entry(self.key(k)) {
+                road.insert(AnyRoad::new(self.cpu, self.plan, self.key(k), parts)?);
+            }
+        }
+        Ok(roads)
+    }
+
     /// Many realizations: one thread per leaf of the ordered sum, so that nothing is left to one thread alone.
-    fn by_leaf<R: Road>(&self, leaves: &[Range<usize>], road: &R) -> Result<WavePower> {
+    fn by_leaf(&self, leaves: &[Range<usize>], roads: &HashMap<RoadKey, AnyRoad<'_>>) -> Result<WavePower> {
         let sums = Mutex::new(self.new_sums());
         let next = AtomicUsize::new(0);
         let results = self.cpu.pool.broadcast(|_| {
-            let mut scratch = R::Scratch::default();
+            let mut scratch = Scratch::default();
             let mut power = vec![0.0; self.plan.waves.len()];
             loop {
                 self.control.check()?;
@@ -172,11 +278,8 @@ impl Job<'_> {
                 let mut sum = self.new_sums();
                 for k in leaf.clone() {
                     let points = Points::of(self.ensemble, k);
-                    for part in 0..road.parts() {
-                        road.sum(part, &points, &mut scratch, self.control, |at, s| power[at] = squared(s))?;
-                    }
-                    let index = self.ensemble.first_index() + k as u64;
-                    sum.add(index, self.ensemble.norm(k), &power, &self.plan.rings);
+                    roads[&self.key(k)].whole(&points, &mut scratch, None, self.control, &mut power)?;
+                    self.add(&mut sum, k, &mut power);
                 }
                 sum.close_leaf();
                 sums.lock().unwrap_or_else(PoisonError::into_inner).merge(sum)?;
@@ -187,41 +290,52 @@ impl Job<'_> {
     }
 
     /// Few: as many realizations at a time as there are threads and memory for, in parts.
-    fn by_part<R: Road>(&self, road: impl Fn(usize) -> R) -> Result<WavePower> {
+    fn by_part(&self) -> Result<WavePower> {
         let (threads, modes, realizations) = (self.cpu.threads(), self.plan.waves.len(), self.ensemble.realizations());
         let mut sums = self.new_sums();
+        let mut scratch = Scratch::default();
         let at_once = (MEMORY_BUDGET / self.spectrum_bytes().max(1)).clamp(1, threads as u64) as usize;
         for start in (0..realizations).step_by(at_once) {
             let wave = start..(start + at_once).min(realizations);
-            let road = road(parts_wanted(self.cpu, wave.len()));
-            let powers: Vec<_> = wave.clone().map(|_| Mutex::new(vec![0.0; modes])).collect();
+            let roads = self.roads(parts_wanted(self.cpu, wave.len()))?;
+            let mut powers: Vec<_> = wave.clone().map(|_| Mutex::new(vec![0.0; modes])).collect();
+            let of = |k: usize| &roads[&self.key(k)];
+            let tasks: Vec<_> = wave.clone().flat_map(|k| (0..of(k).parts()).map(move |part| (k, part))).collect();
             let next = AtomicUsize::new(0);
             let results = self.cpu.pool.broadcast(|_| {
-                let mut scratch = R::Scratch::default();
+                let mut scratch = Scratch::default();
                 let mut part_sums = Vec::new();
                 loop {
                     self.control.check()?;
-                    let task = next.fetch_add(1, Ordering::Relaxed);
-                    let (k, part) = (task / road.parts(), task % road.parts());
-                    let Some(power) = powers.get(k) else { return Ok(()) };
-                    let points = Points::of(self.ensemble, start + k);
-                    road.sum(part, &points, &mut scratch, self.control, |at, s| part_sums.push((at, squared(s))))?;
-                    let mut power = power.lock().unwrap_or_else(PoisonError::into_inner);
+                    let Some(&(k, part)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
+                    let points = Points::of(self.ensemble, k);
+                    of(k).part(part, &points, &mut scratch, self.control, |at, q| part_sums.push((at, q)))?;
+                    let mut power = powers[k - start].lock().unwrap_or_else(PoisonError::into_inner);
                     part_sums.drain(..).for_each(|(at, q)| power[at] = q);
                 }
             });
             results.into_iter().collect::<Result<()>>()?;
-            for (k, power) in wave.zip(powers) {
-                let power = power.into_inner().unwrap_or_else(PoisonError::into_inner);
-                let index = self.ensemble.first_index() + k as u64;
-                sums.add(index, self.ensemble.norm(k), &power, &self.plan.rings);
+            for (k, power) in wave.zip(&mut powers) {
+                let power = power.get_mut().unwrap_or_else(PoisonError::into_inner);
+                if of(k).parts() == 0 {
+                    let points = Points::of(self.ensemble, k);
+                    of(k).whole(&points, &mut scratch, Some(&self.cpu.pool), self.control, power)?;
+                }
+                self.add(&mut sums, k, power);
             }
         }
         sums.close_leaf();
         Ok(sums)
     }
-}
 
-fn squared([re, im]: [f64; 2]) -> f64 {
-    re * re + im * im
+    /// Adds realization `k`.
+    fn add(&self, sums: &mut WavePower, k: usize, power: &mut [f64]) {
+        if let Some(rings) = self.plan.needed() {
+            // What a road may or may not compute, nobody sees.
+            let dc = self.plan.waves.dc();
+            let outside = rings.iter().enumerate().filter(|&(at, &ring)| ring == 0 && Some(at) != dc);
+            outside.for_each(|(at, _)| power[at] = 0.0);
+        }
+        sums.add(self.ensemble.first_index() + k as u64, self.ensemble.norm(k), power, &self.plan.rings);
+    }
 }

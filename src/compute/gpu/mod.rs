@@ -27,7 +27,7 @@ pub use probe::{Check, Verdict};
 use super::{Backend, Compute, ComputedBy, Control};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{Accuracy, LagPlan, PairPlan, PairSearch, SearchCosts, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, LagPlan, PairPlan, PairSearch, SearchCosts, WaveCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -175,6 +175,10 @@ impl Compute for GpuCompute {
 
     fn search_costs(&self) -> SearchCosts {
         SearchCosts::GPU
+    }
+
+    fn wave_costs(&self) -> WaveCosts {
+        WaveCosts::GPU
     }
 
     fn supports_pair_counts(&self, plan: &PairPlan) -> Result<(), String> {

@@ -1,0 +1,112 @@
+//! Whether plans of spectra choose well: every road of a sweep of plans is run, and the chosen one compared with the
+//! fastest. Processor time of one thread, the best of several repetitions in turns. `-- all` prints every road with its
+//! estimate.
+
+use std::time::Instant;
+
+use pairwave::compute::cpu::Cpu;
+use pairwave::compute::{Compute, Control};
+use pairwave::plan::{Accuracy, EnsembleShape, WaveGrid, WavePlan};
+use pairwave::points::{Domain, Ensemble, RawPoints};
+
+fn main() {
+    let Ok(cpu) = Cpu::new(Some(1)) else { return };
+    println!("{}; milliseconds per realization", cpu.computed_by().device());
+    let verbose = std::env::args().any(|a| a == "all");
+    let (mut worst, mut cases) = (1.0f64, 0);
+    for (dim, n, k) in [
+        (2, 60, 64),
+        (2, 256, 16),
+        (2, 1024, 4),
+        (2, 4096, 1),
+        (2, 4096, 4),
+        (2, 65_536, 1),
+        (2, 500_000, 1),
+        (1, 256, 16),
+        (1, 4096, 1),
+        (1, 65_536, 1),
+        (3, 256, 4),
+        (3, 4096, 1),
+        (3, 65_536, 1),
+    ] {
+        let ensemble = uniform(dim, n, k);
+        let shape = EnsembleShape { realizations: k as u64, mean_points: n as f64, max_points: n as u64 };
+        let frequencies: &[u32] = match dim {
+            1 => &[32, 256, 2048, 16_384],
+            2 => &[8, 24, 64, 100, 128, 256, 512],
+            _ => &[4, 8, 16, 32],
+        };
+        for &f in frequencies {
+            for accuracy in [Accuracy::Fast, Accuracy::High] {
+                let Ok(grid) = WaveGrid::new(&vec![f; dim]) else { continue };
+                let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape) else { continue };
+                let mut roads = plan.roads(n as f64);
+                let least = roads.iter().map(|r| r.seconds).fold(f64::INFINITY, f64::min);
+                // What is estimated to be many times slower is not the fastest; the sweep stays short.
+                roads.retain(|r| r.seconds <= 4.0 * least);
+                let mut times = vec![f64::INFINITY; roads.len()];
+                // Long enough for the clock, which is a few milliseconds late.
+                let runs = (0.02 / (least * k as f64)).clamp(1.0, 1000.0) as u32;
+                for _ in 0..4 {
+                    for (time, estimate) in times.iter_mut().zip(&roads) {
+                        let plan = WavePlan { road: Some(estimate.road), ..plan.clone() };
+                        let start = seconds();
+                        for _ in 0..runs {
+                            assert!(cpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+                        }
+                        *time = time.min((seconds() - start) / f64::from(runs) / k as f64);
+                    }
+                }
+                let road = plan.road(n);
+                let chosen = roads.iter().position(|r| r.road == road).map_or(f64::NAN, |c| times[c]);
+                let best = times.iter().copied().fold(f64::INFINITY, f64::min);
+                println!(
+                    "{dim}D n = {n} x {k}, F = {f}, {}: {:.4} {}, ratio {:.3}",
+                    accuracy.name(),
+                    1e3 * chosen,
+                    road.name(),
+                    chosen / best
+                );
+                if verbose {
+                    for (estimate, time) in roads.iter().zip(&times) {
+                        println!("    {:<12} {:9.4} ({:.4})", estimate.road.name(), 1e3 * time, 1e3 * estimate.seconds);
+                    }
+                }
+                worst = worst.max(chosen / best);
+                cases += 1;
+            }
+        }
+    }
+    println!("worst ratio of chosen to best over {cases} cases: {worst:.3}");
+}
+
+/// Processor time of all threads of this process, or wall time where the system does not tell.
+fn seconds() -> f64 {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    let by_processor = || {
+        let mut total = 0.0;
+        for task in std::fs::read_dir("/proc/self/task").ok()? {
+            let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
+            total += text.split(' ').next()?.parse::<f64>().ok()? * 1e-9;
+        }
+        Some(total)
+    };
+    by_processor().unwrap_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64())
+}
+
+fn uniform(dim: usize, n: usize, realizations: usize) -> Ensemble {
+    let mut state = 1u64;
+    let mut unit = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / 2f64.powi(53)
+    };
+    let sets: Vec<RawPoints> = (0..realizations)
+        .map(|_| RawPoints {
+            dim,
+            coordinates: (0..n * dim).map(|_| unit()).collect(),
+            source: "uniform".into(),
+            lines: Vec::new(),
+        })
+        .collect();
+    Ensemble::from_raw(&sets, &Domain::unit_torus(dim), false, 0).unwrap_or_else(|e| panic!("{e}"))
+}

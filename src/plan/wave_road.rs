@@ -1,0 +1,182 @@
+//! How the amplitudes of a realization are summed: whichever way is estimated to be fastest and keeps the promise.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use super::{Accuracy, MEMORY_BUDGET, WaveGrid, WaveVectors};
+
+/// How `s_m` is summed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WaveRoad {
+    /// By the definition, separably, tables and panels in f32.
+    DirectF32,
+    /// The same in f64; term by term for a list.
+    DirectF64,
+    /// Spreading onto a fine grid and a Fourier transform of that, in f64.
+    Nufft,
+}
+
+/// A road, and what it would take for one realization.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoadEstimate {
+    /// The road.
+    pub road: WaveRoad,
+    /// Seconds on the machine that the costs are of.
+    pub seconds: f64,
+}
+
+/// What the parts of a road take on a device, in nanoseconds of one thread (a GPU as a whole counts as one).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WaveCosts {
+    /// The device, in words.
+    pub device: &'static str,
+    /// The product in f32.
+    pub f32: ProductCosts,
+    /// The product in f64.
+    pub f64: ProductCosts,
+    /// A point at a wave vector of a list.
+    pub term: f64,
+    /// The transform, where there is one.
+    pub nufft: Option<NufftCosts>,
+}
+
+/// What a product takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProductCosts {
+    /// A point's cosine and sine in a table.
+    pub entry: f64,
+    /// A point's four products of cosines and sines at a row and a column.
+    pub mode: f64,
+    /// A mode's sum over a panel, and its power.
+    pub panel: f64,
+    /// Beginning.
+    pub start: f64,
+}
+
+/// What a transform takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NufftCosts {
+    /// Sorting a point, and finding its place.
+    pub point: f64,
+    /// The kernel of a point along an axis, per cell of its width and term of its polynomial.
+    pub kernel: f64,
+    /// Adding to a cell.
+    pub add: f64,
+    /// A cell of the fine grid, cleared, folded and read once per axis.
+    pub cell: f64,
+    /// The same for each doubling of the number of cells along an axis.
+    pub butterfly: f64,
+    /// Beginning.
+    pub start: f64,
+}
+
+/// Points of a panel in `wave_product`.
+const PANEL: f64 = 160.0;
+
+impl WaveCosts {
+    /// Fitted to the times that `benches/wave_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512).
+    pub const CPU: Self = Self {
+        device: "the CPU, one thread",
+        f32: ProductCosts { entry: 0.45, mode: 0.076, panel: 1.5, start: 2000.0 },
+        f64: ProductCosts { entry: 1.0, mode: 0.15, panel: 2.0, start: 2000.0 },
+        term: 2.5,
+        nufft: Some(NufftCosts { point: 20.0, kernel: 0.1, add: 0.15, cell: 1.0, butterfly: 0.15, start: 10_000.0 }),
+    };
+
+    /// Reasoned, not measured, for a GPU of the size of an NVIDIA H200: 30 TFLOP/s in f32, half of that in f64.
+    pub const GPU: Self = Self {
+        device: "a GPU, by reasoned costs",
+        f32: ProductCosts { entry: 0.001, mode: 0.000_27, panel: 0.001, start: 1e5 },
+        f64: ProductCosts { entry: 0.002, mode: 0.000_54, panel: 0.002, start: 1e5 },
+        term: 2.5,
+        nufft: None,
+    };
+}
+
+impl WaveRoad {
+    /// The roads that keep the promise, and that fit into memory, with estimates for a realization of `n` points. `share`
+    /// is the part of a grid's modes that is needed.
+    pub fn alternatives(
+        waves: &WaveVectors,
+        accuracy: Accuracy,
+        share: f64,
+        n: f64,
+        costs: &WaveCosts,
+    ) -> Vec<RoadEstimate> {
+        let estimate = |road, nanoseconds: f64| RoadEstimate { road, seconds: 1e-9 * nanoseconds };
+        let grid = match waves {
+            WaveVectors::List(list) => {
+                return vec![estimate(Self::DirectF64, n * list.vectors.len() as f64 * costs.term)];
+            }
+            WaveVectors::Grid(grid) => grid,
+        };
+        let mut found = Vec::new();
+        if accuracy == Accuracy::Fast {
+            found.push(estimate(Self::DirectF32, costs.f32.nanoseconds(grid, share, n)));
+        }
+        found.push(estimate(Self::DirectF64, costs.f64.nanoseconds(grid, share, n)));
+        if let Some(nufft) = costs.nufft.filter(|_| nufft_bytes(grid) <= MEMORY_BUDGET as f64) {
+            found.push(estimate(Self::Nufft, nufft.nanoseconds(grid, accuracy, n)));
+        }
+        found
+    }
+
+    /// In words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::DirectF32 => "direct f32",
+            Self::DirectF64 => "direct f64",
+            Self::Nufft => "NUFFT",
+        }
+    }
+}
+
+impl ProductCosts {
+    fn nanoseconds(&self, grid: &WaveGrid, share: f64, n: f64) -> f64 {
+        // Rows and columns without the first, in whole groups.
+        let groups = |count: f64| (count / 8.0).ceil() * 8.0;
+        let [f0, n1, n2] = grid.half_shape().map(|n| n as f64);
+        let (rows, columns) = if grid.dim() == 1 {
+            let half = ((f0 - 1.0) / 2.0).sqrt().round();
+            (groups(half), groups(f0 / (2.0 * half + 1.0)))
+        } else {
+            (groups(f0 - 1.0), groups((n1 * n2 - 1.0) / 2.0))
+        };
+        let panels = (n / PANEL).ceil();
+        self.start
+            + n * (rows + columns) * self.entry
+            + rows * columns * share * (n * self.mode + (panels + 1.0) * self.panel)
+    }
+}
+
+/// Cells of the fine grid: about twice as many per axis as frequencies of both signs.
+fn cells(grid: &WaveGrid) -> f64 {
+    grid.max_frequency()[..grid.dim()].iter().map(|&f| 4.0 * f64::from(f).max(0.25)).product()
+}
+
+/// Bytes of a transform, mainly of the fine grid and of what is left of it after an axis.
+fn nufft_bytes(grid: &WaveGrid) -> f64 {
+    16.0 * cells(grid)
+}
+
+impl NufftCosts {
+    fn nanoseconds(&self, grid: &WaveGrid, accuracy: Accuracy, n: f64) -> f64 {
+        // As in `nufft::kernel`, for a grid twice as fine as need be.
+        let width = ((1.0 / accuracy.nufft_tolerance()).ln() / (PI * 0.5f64.sqrt()) + 0.5).ceil();
+        let axes: Vec<f64> = grid.max_frequency()[..grid.dim()].iter().map(|&f| 4.0 * f64::from(f).max(0.25)).collect();
+        let d = axes.len() as f64;
+        let cells: f64 = axes.iter().product();
+        let doublings = axes.iter().map(|c| c.log2()).sum::<f64>();
+        let lanes = (width / 8.0).ceil() * 8.0;
+        self.start
+            + n * (self.point + d * self.kernel * lanes * (width + 3.0) + self.add * lanes * width.powf(d - 1.0))
+            + cells * (d * self.cell + doublings * self.butterfly)
+    }
+}
+
+impl fmt::Display for RoadEstimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} about {:.2e} s", self.road.name(), self.seconds)
+    }
+}
