@@ -27,6 +27,8 @@ pub struct WavePlan {
     pub waves: WaveVectors,
     /// Their rings.
     pub rings: Rings,
+    /// Whether only the rings are wanted: modes in none may be left out, and their sums are 0.
+    pub rings_only: bool,
     /// The promise to keep.
     pub accuracy: Accuracy,
     /// How it is kept.
@@ -58,7 +60,12 @@ impl WavePlan {
             (WaveVectors::Grid(_), Accuracy::Fast) => WaveRoad::DirectF32,
             _ => WaveRoad::DirectF64,
         };
-        Ok(Self { domain: domain.clone(), waves, rings, accuracy, road, shape, batch })
+        Ok(Self { domain: domain.clone(), waves, rings, rings_only: false, accuracy, road, shape, batch })
+    }
+
+    /// The ring of every stored mode (0 for none), where modes in none may be left out.
+    pub fn needed(&self) -> Option<&[u32]> {
+        self.rings_only.then_some(&self.rings.ring_of)
     }
 
     /// Floating-point operations of the matrix products: 8 per point, row and column.
