@@ -1,5 +1,6 @@
 //! Wave power -> the power spectrum P(m) on the integer grid.
 
+use super::confidence::Realizations;
 use super::{ErrorSource, ratio_standard_error};
 use crate::accumulate::{PowerMoments, WavePower};
 use crate::plan::{WavePlan, WaveVectors};
@@ -38,6 +39,12 @@ impl PowerSpectrum {
         let dc = self.waves.dc()?;
         Some((self.p[dc], self.p_se[dc]))
     }
+}
+
+/// The realizations behind sums of power.
+pub(super) fn realizations(power: &WavePower) -> Realizations {
+    let [n1, n2] = power.norm_totals();
+    Realizations { count: power.realizations, effective: n1 * n1 / n2 }
 }
 
 /// `P` and its standard error from the moments of q (or of ring sums of q over `members` modes). `independent` is the

@@ -5,6 +5,7 @@ mod bandwidth;
 mod bin_filter;
 mod cell_grid;
 mod convention;
+mod covariance_plan;
 mod kernel_plan;
 mod lag_plan;
 mod neighbor_plan;
@@ -18,6 +19,7 @@ mod taper;
 mod wave_grid;
 mod wave_plan;
 mod wave_rings;
+mod wave_sectors;
 mod wave_vectors;
 
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
@@ -25,6 +27,7 @@ pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
 pub use cell_grid::{CellAxis, CellGrid, StencilRow};
 pub use convention::Convention;
+pub use covariance_plan::CovariancePlan;
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelPlan, KernelRoad};
 pub(crate) use lag_plan::DEFAULT_RINGS;
@@ -39,6 +42,7 @@ pub use taper::{Debias, Taper};
 pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
 pub use wave_plan::{WavePlan, WaveRoad};
 pub use wave_rings::Rings;
+pub use wave_sectors::{DEFAULT_SECTORS, MAX_SECTORS, Sectors};
 pub use wave_vectors::{WaveList, WaveVectors};
 
 /// Number of points per realization, as far as a plan must know it.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, EnsembleShape, RING_DIRECTIONS_RULE, Rings, WaveVectors};
+use super::{Accuracy, Batch, EnsembleShape, RING_DIRECTIONS_RULE, Rings, Sectors, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
@@ -66,6 +66,12 @@ impl WavePlan {
     /// The ring of every stored mode (0 for none), where modes in none may be left out.
     pub fn needed(&self) -> Option<&[u32]> {
         self.rings_only.then_some(&self.rings.ring_of)
+    }
+
+    /// The same with power summed by direction (2D).
+    pub fn with_sectors(mut self, count: usize) -> Result<Self> {
+        self.rings.sectors = Sectors::new(count, &self.waves, &self.rings, &self.domain)?;
+        Ok(self)
     }
 
     /// Floating-point operations of the matrix products: 8 per point, row and column.

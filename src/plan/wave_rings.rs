@@ -1,6 +1,6 @@
 //! Rings of constant frequency.
 
-use super::WaveVectors;
+use super::{Sectors, WaveVectors};
 use crate::points::Domain;
 
 /// Rings of constant frequency: which stored modes each of them holds.
@@ -20,6 +20,8 @@ pub struct Rings {
     pub modes: Vec<u64>,
     /// How many of them are independent: P(-m) = P(m).
     pub independent: Vec<u64>,
+    /// Sectors of direction, over all rings.
+    pub sectors: Sectors,
 }
 
 impl Rings {
@@ -49,7 +51,7 @@ impl Rings {
         }
         let bounds = (1..=count).map(|k| [-0.5, 0.0, 0.5].map(|d| (k as f64 + d) * fundamental)).collect();
         let independent = modes.iter().map(|m| m / 2).collect();
-        Self { fundamental, count, bounds, ring_of, times, modes, independent }
+        Self { fundamental, count, bounds, ring_of, times, modes, independent, sectors: Sectors::default() }
     }
 
     /// No rings.
@@ -62,6 +64,7 @@ impl Rings {
             times: vec![0; stored],
             modes: Vec::new(),
             independent: Vec::new(),
+            sectors: Sectors::default(),
         }
     }
 }

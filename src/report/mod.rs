@@ -4,6 +4,7 @@
 //! `report.html` only.
 
 mod color_map;
+mod covariance_image;
 mod figure;
 mod headline;
 mod html;
@@ -11,6 +12,8 @@ mod npy;
 mod plots;
 mod points_picture;
 mod spectrum_image;
+mod spectrum_numbers;
+mod spectrum_plots;
 mod summary;
 mod table;
 mod text;
@@ -21,6 +24,8 @@ pub use headline::headline;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+
+use rustfft::num_complex::Complex;
 
 use crate::analysis::Analysis;
 use crate::error::{Error, Result};
@@ -37,7 +42,13 @@ const FILES: &[&str] = &[
     "envelope.csv",
     "spectrum_radial.csv",
     "spectrum_list.csv",
+    "spectrum_axes.csv",
+    "spectrum_angular.csv",
+    "spectrum_from_pcf.csv",
+    "pcf_from_spectrum.csv",
     "neighbor_functions.csv",
+    "covariance.npy",
+    "covariance_se.npy",
     "spectrum.npy",
     "spectrum_se.npy",
     "pcf_vector.npy",
@@ -50,8 +61,11 @@ const FILES: &[&str] = &[
     "pcf_angular.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
+    "spectrum_axes.svg",
+    "spectrum_angular.svg",
     "neighbor_functions.svg",
     "spectrum.png",
+    "covariance.png",
     "points.svg",
     "report.html",
     SUMMARY,
@@ -197,6 +211,10 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     files.add("spectrum_list.csv", table::spectrum_list(analysis).map(|t| t.csv()));
+    files.add("spectrum_axes.csv", table::axes(analysis).map(|t| t.csv()));
+    files.add("spectrum_angular.csv", table::sectors(analysis).map(|t| t.csv()));
+    files.add("spectrum_from_pcf.csv", table::spectrum_from_pcf(analysis).map(|t| t.csv()));
+    files.add("pcf_from_spectrum.csv", table::pcf_from_spectrum(analysis).map(|t| t.csv()));
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
     let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
     if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {
@@ -204,6 +222,13 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
         if analysis.shape.realizations >= 2 {
             files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, file));
+        }
+    }
+    if let Some(covariance) = &analysis.covariance {
+        let (modes, c) = (covariance.modes(), &covariance.c);
+        files.stream("covariance.npy", |file| npy::matrix(modes, c.iter().map(|&[re, im]| Complex { re, im }), file));
+        if let Some(c_se) = &covariance.c_se {
+            files.stream("covariance_se.npy", |file| npy::matrix(modes, c_se.iter().copied(), file));
         }
     }
     if let Some(vector) = &analysis.vector {
@@ -220,17 +245,28 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
+        spectrum_axes: files.picture("spectrum_axes.svg", spectrum_plots::axes(analysis)),
+        spectrum_angular: files.picture("spectrum_angular.svg", spectrum_plots::angular(analysis)),
         neighbor_functions: files.picture("neighbor_functions.svg", plots::neighbor_functions(analysis)),
         ..Default::default()
     };
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
-        match spectrum_image::render(spectrum) {
+        match spectrum_image::render(spectrum, &analysis.domain, analysis.shape.mean_points) {
             Ok(Some(image)) => {
                 files.add("spectrum.png", Some(Ok(&image.png)));
                 pictures.spectrum = Some(image);
             }
             Ok(None) => {}
             Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+        }
+    }
+    if let Some(covariance) = &analysis.covariance {
+        match covariance_image::render(covariance) {
+            Ok(image) => {
+                files.add("covariance.png", Some(Ok(&image.png)));
+                pictures.covariance = Some(image);
+            }
+            Err(e) => files.add("covariance.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
         }
     }
     if let Some(vector) = &analysis.vector {
