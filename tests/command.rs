@@ -448,6 +448,8 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("trees.csv", "x,y,kind,size\n0.1,0.2,oak,1\n0.3,0.9,elm,2\n0.5,0.5,fir,3\n");
     scratch.file("zero.csv", "x,y,size\n0.1,0.2,0\n0.3,0.9,0\n");
     scratch.file("words.txt", "0 0.1\nx\n");
+    scratch.file("half.txt", "# m\n1 2\n0 1.5\n");
+    scratch.file("huge.csv", "m_x,m_y\n3000000000,1\n");
     std::fs::create_dir(scratch.path("taken")).unwrap();
     scratch.file("taken/summary.json", "{}");
     let table: &[(&str, i32, &str)] = &[
@@ -687,6 +689,37 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--sampler jitterd: no such sampler (did you mean jittered?); expected one of random, grid, jittered, poisson-disk, halton, thomas",
         ),
         ("analyze --sampler jittered -n 65", 2, "-n 65: jittered in 2D needs n = k^2; the nearest are 64 and 81"),
+        (
+            "analyze ok.csv --stats spectrum --frequencies half.txt",
+            1,
+            "half.txt:3: m_y = 1.5; expected an integer with magnitude below 2^31: cycles per side of the torus",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies huge.csv",
+            1,
+            "huge.csv:2: m_x = 3000000000; expected an integer with magnitude below 2^31: cycles per side of the torus",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies three.txt",
+            1,
+            "three.txt:1: 3 coordinates per wave vector, but the points have 2; expected 2 numbers",
+        ),
+        (
+            "analyze ok.csv --stats pcf --frequencies half.txt",
+            2,
+            "--frequencies half.txt: needs spectrum among --stats",
+        ),
+        (
+            "analyze ok.csv --stats spectrum,radial --frequencies half.txt",
+            2,
+            "--frequencies half.txt: a list of wave vectors has no rings; expected --stats spectrum without radial",
+        ),
+        ("analyze ok.csv --stats radial --ring-directions 0", 2, "--ring-directions 0: expected at least 1"),
+        (
+            "analyze ok.csv --stats spectrum,radial --ring-directions 8",
+            2,
+            "--ring-directions 8: leaves wave vectors out, which --stats spectrum asks for; expected --stats radial without spectrum",
+        ),
         ("analyze --sampler jittered -n 64 -k 0", 2, "-k 0: expected at least 1 realization"),
         (
             "analyze --sampler random -n 64 --domain window",
@@ -743,4 +776,85 @@ fn quiet_is_silent_and_stdin_is_a_file() {
         .unwrap();
     assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
     assert!(std::fs::read_to_string(scratch.path("o/summary.json")).unwrap().contains("2"));
+}
+
+/// P at the wave vectors of a list is that of the grid, in the order of the list, with its bands; DC has none.
+#[test]
+fn lists_of_wave_vectors() {
+    let scratch = Scratch::new();
+    let points = "--sampler jittered -n 64 -k 5 --box 2,1 --stats spectrum --accuracy high --threads 1";
+    scratch.file("list.csv", "m_x,m_y # integers\n3,-2\n0 0\n\n-3; 2\n# on\n5.0,1e1\n100000,-99999\n");
+    scratch.ok(&format!("analyze {points} --frequencies list.csv --out list"));
+    scratch.ok(&format!("analyze {points} --max-frequency 5,10 --out grid"));
+    let list = csv(&scratch.path("list/spectrum_list.csv"));
+    assert_eq!(list.0, "m_x,m_y,nu_x,nu_y,nu,p,p_se,p_lo,p_hi");
+    assert_eq!(column::<i64>(&list, "m_x"), [3, 0, -3, 5, 100_000]);
+    assert_eq!(column::<i64>(&list, "m_y"), [-2, 0, 2, 10, -99_999]);
+    assert_eq!(column::<f64>(&list, "nu_x")[..4], [1.5, 0.0, -1.5, 2.5]);
+    assert_eq!(column::<f64>(&list, "nu")[0], 2.5);
+    let (p, p_se) = (column::<f64>(&list, "p"), column::<f64>(&list, "p_se"));
+    for (file, values) in [("grid/spectrum.npy", &p), ("grid/spectrum_se.npy", &p_se)] {
+        let (shape, grid) = npy(&scratch.path(file));
+        assert_eq!(shape, [11, 21]);
+        for (k, m) in [[3, -2], [0, 0], [-3, 2], [5, 10]].into_iter().enumerate() {
+            let at = ((m[0] + 5) * 21 + m[1] + 10) as usize;
+            assert!(
+                (values[k] - grid[at]).abs() <= 1e-10 * (1.0 + grid[at]),
+                "{file}, {m:?}: {} {}",
+                values[k],
+                grid[at]
+            );
+        }
+    }
+    // 10 degrees of freedom: 10 / 20.4832 and 10 / 3.24697 (tables of chi-squared).
+    for k in [0, 2, 3, 4] {
+        let band = [&list.1[k][7], &list.1[k][8]].map(|cell| cell.parse::<f64>().unwrap() / p[k]);
+        assert!((band[0] - 0.488_205).abs() < 1e-5 && (band[1] - 3.079_80).abs() < 1e-4, "{band:?}");
+    }
+    assert_eq!(list.1[1][7..], ["", ""]);
+    let files: Vec<String> = summary(&scratch.path("list"))["files"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|f| f.as_str().unwrap().into())
+        .collect();
+    assert_eq!(files, ["spectrum_list.csv", "points.svg", "report.html", "summary.json"]);
+
+    // A window: cycles per unit length.
+    scratch.file("points.csv", "0,10\n1,12\n3.5,13\n");
+    scratch.file("nu.txt", "0.125 0\n0.3 -0.7\n");
+    scratch.ok("analyze points.csv --window 0,4,10,14 --stats spectrum --frequencies nu.txt --out window");
+    let list = csv(&scratch.path("window/spectrum_list.csv"));
+    assert_eq!((column::<f64>(&list, "m_x"), column::<f64>(&list, "m_y")), (vec![0.5, 1.2], vec![0.0, -2.8]));
+    assert!((column::<f64>(&list, "nu_y")[1] + 0.7).abs() < 1e-15);
+}
+
+/// A radial mean from some of the directions is that of the listed members, and says which they are.
+#[test]
+fn rings_of_some_directions() {
+    let scratch = Scratch::new();
+    let points = "--sampler jittered -n 100 -k 4 --stats radial --accuracy high";
+    let radial = |out: &str, more: &str| {
+        scratch.ok(&format!("analyze {points} {more} --out {out}"));
+        csv(&scratch.path(out).join("spectrum_radial.csv"))
+    };
+    let whole = radial("whole", "--max-frequency 12");
+    let all = radial("all", "--max-frequency 12 --ring-directions 1000");
+    let some = radial("some", "--max-frequency 12 --ring-directions 6");
+    assert_eq!(column::<u64>(&whole, "modes"), column::<u64>(&all, "modes"));
+    for name in ["p", "p_se", "anisotropy_db"] {
+        for (a, b) in column::<f64>(&whole, name).into_iter().zip(column::<f64>(&all, name)) {
+            assert!((a - b).abs() <= 1e-9 * a.abs().max(1.0), "{name}: {a} {b}");
+        }
+    }
+    let (modes, independent) = (column::<u64>(&some, "modes"), column::<u64>(&some, "independent_modes"));
+    assert_eq!(modes[..2], column::<u64>(&whole, "modes")[..2]);
+    assert!(independent.iter().zip(&modes).all(|(i, m)| *i <= 6 && 2 * i == *m), "{modes:?}");
+    let radial = &summary(&scratch.path("some"))["radial"];
+    assert_eq!(radial["modes"].as_u64().unwrap(), modes.iter().sum::<u64>());
+    assert!(radial["directions"].as_str().unwrap().contains("golden ratio"));
+    assert_eq!(summary(&scratch.path("whole"))["radial"]["directions"], "all");
+    // The grid would be 1.6e9 modes.
+    scratch.ok("analyze --sampler random -n 2 --stats radial --max-frequency 20000 --ring-directions 2 --out far");
+    assert_eq!(csv(&scratch.path("far/spectrum_radial.csv")).1.len(), 20_000);
 }

@@ -57,6 +57,8 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         spectrum: Some(spectrum),
         grid_wanted: true,
         radial: Some(radial),
+        details: None,
+        covariance: None,
         neighbors: Some(neighbors(&ensemble)),
         closed_form: ClosedForm::default(),
         accuracy: Accuracy::High,
@@ -737,32 +739,68 @@ fn the_same_analysis_gives_the_same_bytes() {
     }
 }
 
-/// The picture says what its greys mean, and they do: P = 0 black, 1 in the middle, y up, DC black.
+/// The picture says what its colours mean, and they do: P = 0 and P = n at the ends of viridis, 1 in the middle, y up, DC grey.
 #[test]
 fn the_picture_keeps_its_tone_map() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
+    let n = a.shape.mean_points;
     let spectrum = a.spectrum.as_mut().unwrap();
     spectrum.waves = WaveGrid::new(&[3, 4]).unwrap().into();
     spectrum.p.fill(0.0);
-    for (m, p) in [([0, 0, 0], 1e6), ([1, 0, 0], 1.0), ([0, 4, 0], 1e9), ([3, -4, 0], 3.0)] {
+    for (m, p) in [([0, 0, 0], 1e6), ([1, 0, 0], 1.0), ([0, 4, 0], 1e9), ([3, -4, 0], n)] {
         let at = spectrum.waves.grid().unwrap().half_index(m);
         spectrum.p[at] = p;
     }
     report::write(root.path(), &a, false).unwrap();
-    let file = std::io::BufReader::new(fs::File::open(root.path().join("spectrum.png")).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let said = reader.info().uncompressed_latin1_text.iter().map(|t| t.text.clone()).collect::<String>();
-    assert!(said.contains("log2(1 + P)") && said.contains("m_y = -4..4 upward"), "{said}");
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    let zoom = info.width / 7;
-    assert_eq!((info.width, info.height), (7 * zoom, 9 * zoom));
-    assert!((512..=1024).contains(&info.height));
+    let (size, said, pixels) = picture(&root.path().join("spectrum.png"));
+    assert!(said.contains("P (1 + P / n^2) / (1 + P)") && said.contains("m_y = -4..4 upward"), "{said}");
+    let zoom = size[0] / 7;
+    assert_eq!(size, [7 * zoom, 9 * zoom]);
+    assert!((512..=1024).contains(&size[1]));
     let at = |m0: i32, m1: i32| {
         let (x, y) = ((m0 + 3) as u32 * zoom + zoom / 2, (4 - m1) as u32 * zoom + zoom / 2);
-        pixels[(y * info.width + x) as usize]
+        pixels[(y * size[0] + x) as usize]
     };
-    assert_eq!((at(0, 0), at(1, 0), at(-1, 0), at(2, 2)), (0, 128, 128, 0));
-    assert_eq!((at(0, 4), at(3, -4), at(-3, 4), at(3, 4)), (255, 255, 255, 0));
+    let (low, high) = ([68, 1, 84], [253, 231, 37]);
+    assert_eq!((at(0, 0), at(2, 2), at(3, 4)), ([128; 3], low, low));
+    assert_eq!((at(0, 4), at(3, -4), at(-3, 4)), (high, high, high));
+    // Viridis at 1/2: (33, 145, 140).
+    assert!(at(1, 0).iter().zip([33, 145, 140]).all(|(&a, b): (&u8, u8)| a.abs_diff(b) <= 4), "{:?}", at(1, 0));
+    assert_eq!(at(1, 0), at(-1, 0));
+    assert!(fs::read_to_string(root.path().join("report.html")).unwrap().contains(&format!("n = {n}")));
+}
+
+/// A peak of one mode on a large grid is several pixels wide, and does not hide what is beside it.
+#[test]
+fn isolated_peaks_are_seen() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    a.shape.mean_points = 4096.0;
+    let spectrum = a.spectrum.as_mut().unwrap();
+    let grid = WaveGrid::new(&[1000, 600]).unwrap();
+    spectrum.waves = grid.into();
+    spectrum.p = vec![0.0; grid.half_len()];
+    spectrum.p_se = spectrum.p.clone();
+    spectrum.p[grid.half_index([100, -50, 0])] = 4096.0;
+    a.grid_wanted = true;
+    (a.radial, a.details) = (None, None);
+    report::write(root.path(), &a, false).unwrap();
+    let (size, _, pixels) = picture(&root.path().join("spectrum.png"));
+    assert_eq!(size, [2001, 1201]);
+    let bright = pixels.iter().filter(|&&p| p == [253, 231, 37]).count();
+    assert_eq!(bright, 2 * 25);
+    for (dx, dy) in [(0, 0), (2, -2), (-2, 2)] {
+        assert_eq!(pixels[((600 + 50 + dy) * 2001 + 1000 + 100 + dx) as usize], [253, 231, 37]);
+    }
+}
+
+/// Size, text and pixels of an RGB picture.
+fn picture(path: &Path) -> ([u32; 2], String, Vec<[u8; 3]>) {
+    let file = std::io::BufReader::new(fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let said = reader.info().uncompressed_latin1_text.iter().map(|t| t.text.clone()).collect();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    ([info.width, info.height], said, pixels.as_chunks::<3>().0.to_vec())
 }

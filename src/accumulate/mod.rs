@@ -5,6 +5,7 @@ mod lag_counts;
 mod neighbor_sums;
 mod ordered_sum;
 mod pair_counts;
+mod wave_covariance;
 mod wave_power;
 
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
@@ -14,4 +15,5 @@ pub use neighbor_sums::{
 };
 pub use ordered_sum::{LEAF, OrderedSum};
 pub use pair_counts::{BorderHistogram, CrossCounts, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
+pub use wave_covariance::{CovarianceSums, WaveCovariance};
 pub use wave_power::{PowerMoments, WavePower};

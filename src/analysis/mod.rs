@@ -19,8 +19,8 @@ use crate::accumulate::LagCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
-    CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum, SpectrumDetails, VectorCorrelation,
+    AmplitudeCovariance, CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation,
+    PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Correction, EnsembleShape, LagPlan};
 use crate::points::{Domain, Ensemble};
@@ -62,6 +62,8 @@ pub struct Analysis {
     pub radial: Option<RadialSpectrum>,
     /// What else is read off P.
     pub details: Option<SpectrumDetails>,
+    /// Covariance of the amplitudes of low frequencies.
+    pub covariance: Option<AmplitudeCovariance>,
     /// Nearest-neighbour statistics.
     pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
@@ -219,6 +221,11 @@ pub fn run(
                        what the window cuts off leaks into the lowest frequencies";
         warnings.push(warning.to_string());
     }
+    if plan.covariance.is_some() && shape.realizations == 1 {
+        let warning = "the covariance of amplitudes is an expectation over realizations: a single one shows s_m conj(s_l), which is \
+                       not 0 for any process; -k or more files give an estimate with errors";
+        warnings.push(warning.to_string());
+    }
     let empty = kernel.as_ref().map_or(0, |k| k.r.iter().zip(&k.g).filter(|(r, g)| **r > 0.0 && g.is_none()).count());
     if empty > 0 {
         warnings.push(format!(
@@ -261,6 +268,8 @@ pub fn run(
         }
         _ => None,
     };
+    let covariance = plan.covariance.as_ref().zip(sums.covariance.as_ref());
+    let covariance = covariance.map(|(plan, sums)| AmplitudeCovariance::new(plan, sums));
     let closed_form = closed_form(source, &plan, request.normalization, pair_correlation.as_ref());
     clock.add("estimates", start.elapsed().as_secs_f64());
     Ok(Analysis {
@@ -280,6 +289,7 @@ pub fn run(
         grid_wanted: plan.grid_wanted,
         radial,
         details,
+        covariance,
         neighbors,
         closed_form,
         accuracy: request.accuracy,

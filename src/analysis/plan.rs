@@ -7,9 +7,9 @@ use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape,
-    Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WaveList,
-    WavePlan, WaveVectors,
+    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, CovariancePlan, DEFAULT_RINGS, DEFAULT_SECTORS,
+    EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid,
+    WaveList, WavePlan, WaveVectors,
 };
 use crate::points::Domain;
 use crate::points::read::{read_edges, read_frequencies};
@@ -32,6 +32,7 @@ pub struct Plan {
     /// The rings of g of the vector, on a finer grid of their own.
     pub(super) rings: Option<LagPlan>,
     pub(super) waves: Option<WavePlan>,
+    pub(super) covariance: Option<CovariancePlan>,
     pub(super) neighbors: Option<NeighborPlan>,
     /// Whether the grid itself is wanted, not only its rings.
     pub(super) grid_wanted: bool,
@@ -131,6 +132,9 @@ impl Plan {
         };
         let grid_wanted = wants(Statistic::Spectrum);
         let waves = waves.map(|w| WavePlan { rings_only: !grid_wanted && w.rings.count > 0, ..w });
+        let covariance = wants(Statistic::Covariance)
+            .then(|| CovariancePlan::new(domain, request.covariance_frequency, shape))
+            .transpose()?;
         let batches = [
             pairs.as_ref().map(|p| p.batch),
             kernel.as_ref().map(|k| k.pairs.batch),
@@ -138,6 +142,7 @@ impl Plan {
             lags.as_ref().map(|l| l.batch),
             rings.as_ref().map(|l| l.batch),
             waves.as_ref().map(|w| w.batch),
+            covariance.as_ref().map(|c| c.batch),
             neighbors.as_ref().map(|n| n.batch),
         ];
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(1);
@@ -160,6 +165,7 @@ impl Plan {
             lags,
             rings,
             waves,
+            covariance,
             neighbors,
             grid_wanted,
             simulations,
@@ -198,6 +204,7 @@ impl Plan {
             lags: None,
             rings: None,
             waves: None,
+            covariance: None,
             neighbors,
             grid_wanted: false,
             simulations: 0,
@@ -264,6 +271,9 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         let reason = "a list of wave vectors has no rings; expected --stats spectrum without radial";
         return Err(Error::setting("--frequencies", path.display(), reason));
     }
+    if let Some(sectors) = request.sectors.filter(|_| request.frequencies.is_some()) {
+        return Err(Error::setting("--sectors", sectors, "a list of wave vectors has none; expected no --frequencies"));
+    }
     if let Some(n) = request.ring_directions.filter(|_| request.stats.contains(&Spectrum)) {
         let reason =
             "leaves wave vectors out, which --stats spectrum asks for; expected --stats radial without spectrum";
@@ -326,6 +336,9 @@ impl fmt::Display for Plan {
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
         }
+        if let Some(covariance) = &self.covariance {
+            write!(f, "{covariance}")?;
+        }
         if let Some(neighbors) = &self.neighbors {
             write!(f, "{neighbors}")?;
         }
@@ -338,6 +351,7 @@ impl fmt::Display for Plan {
             (self.lags.is_none(), "pcf-vector"),
             (self.pairs.as_ref().is_none_or(|p| !p.cumulative), "k-function"),
             (self.waves.is_none(), "spectrum"),
+            (self.covariance.is_none(), "covariance"),
             (self.neighbors.is_none(), "neighbors"),
         ];
         for (_, name) in skipped.iter().filter(|(skipped, _)| *skipped) {

@@ -1,7 +1,7 @@
 //! The raw sums of everything a plan asks for.
 
 use super::{Clock, Plan};
-use crate::accumulate::{CrossCounts, KernelSums, LagCounts, NeighborSums, PairCounts, WavePower};
+use crate::accumulate::{CrossCounts, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::compute::neighbors::neighbor_sums;
 use crate::compute::{ComputedBy, Control, WithFallback};
 use crate::error::Result;
@@ -16,6 +16,7 @@ pub(super) struct Sums {
     pub(super) lags: Option<LagCounts>,
     pub(super) rings: Option<LagCounts>,
     pub(super) waves: Option<WavePower>,
+    pub(super) covariance: Option<WaveCovariance>,
     pub(super) neighbors: Option<NeighborSums>,
 }
 
@@ -66,6 +67,12 @@ impl Sums {
                 Ok(())
             })?;
         }
+        if let Some(plan) = &plan.covariance {
+            stage("wave_covariance", &mut || {
+                sums.covariance = Some(device.wave_covariance(plan, batch, control)?);
+                Ok(())
+            })?;
+        }
         if let Some(plan) = &plan.neighbors {
             stage("neighbors", &mut || {
                 sums.neighbors = Some(neighbor_sums(plan, batch, control)?);
@@ -83,6 +90,7 @@ impl Sums {
         merge(&mut self.lags, next.lags, |a, b| a.merge(&b))?;
         merge(&mut self.rings, next.rings, |a, b| a.merge(&b))?;
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
+        merge(&mut self.covariance, next.covariance, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
     }
 
@@ -94,6 +102,7 @@ impl Sums {
             self.kernel.as_ref().map(|s| &s.computed_by),
             self.lags.as_ref().map(|s| &s.computed_by),
             self.waves.as_ref().map(|s| &s.computed_by),
+            self.covariance.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));
         all.unwrap_or_else(|| ComputedBy::new(crate::compute::Backend::Cpu, "k-d tree"))

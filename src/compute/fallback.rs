@@ -1,9 +1,9 @@
 //! A device with the CPU path behind it.
 
 use super::{Compute, Control, binned_kernel, cpu::Cpu};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, KernelRoad, LagPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// Computes on a device, and on the CPU path what the device does not do, or everything once it has failed. Says so.
@@ -65,6 +65,19 @@ impl<'a> WithFallback<'a> {
                 Some(sums) => sums,
                 None => self.cpu()?.direct_kernel_sums(plan, ensemble, control),
             },
+        }
+    }
+
+    /// On the CPU path where the device has none, which is part of the plan.
+    pub(crate) fn wave_covariance(
+        &mut self,
+        plan: &CovariancePlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Result<WaveCovariance> {
+        match self.device.wave_covariance(plan, ensemble, control) {
+            Some(sums) => sums,
+            None => self.cpu()?.amplitude_products(plan, ensemble, control),
         }
     }
 

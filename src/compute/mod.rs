@@ -18,9 +18,9 @@ pub(crate) use fallback::WithFallback;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, LagPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
 use crate::points::Ensemble;
 
 /// Which of the three ways.
@@ -141,6 +141,17 @@ pub trait Compute: Send + Sync {
 
     /// The direct kernel sum at every r of every realization; `None` where this way has none and leaves it to the CPU path.
     fn kernel_sums(&self, _plan: &KernelPlan, _ensemble: &Ensemble, _control: &Control) -> Option<Result<KernelSums>> {
+        None
+    }
+
+    /// Products of the amplitudes of low frequencies of every realization; `None` where this way has none and leaves it to
+    /// the CPU path.
+    fn wave_covariance(
+        &self,
+        _plan: &CovariancePlan,
+        _ensemble: &Ensemble,
+        _control: &Control,
+    ) -> Option<Result<WaveCovariance>> {
         None
     }
 }

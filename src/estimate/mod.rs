@@ -22,6 +22,7 @@ mod spectrum_details;
 mod spectrum_of_pcf;
 mod spectrum_scalars;
 mod vector_correlation;
+mod wave_covariance;
 
 pub use angular_spectrum::{AngularSpectrum, SectorPower};
 pub use axis_slices::{AxisMode, AxisSlices};
@@ -44,6 +45,7 @@ pub use spectrum_details::SpectrumDetails;
 pub use spectrum_of_pcf::SpectrumOfPcf;
 pub use spectrum_scalars::{HighFrequency, SpectrumScalars};
 pub use vector_correlation::{SectorCorrelation, VectorCorrelation};
+pub use wave_covariance::{AmplitudeCovariance, CovarianceScalars};
 
 /// Where an error bar comes from. Every output says which.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

@@ -1,4 +1,4 @@
-//! A diverging colour map: blue, white, red, with lightness even on both sides and told apart by colour-blind readers.
+//! Colour maps. The diverging one: blue, white, red, with lightness even on both sides and told apart by colour-blind readers.
 //! Moreland, "Diverging Color Maps for Scientific Visualization", ISVC 2009: linear in a polar form of CIELAB (M: length,
 //! s: angle from the grey axis, h: hue), from his blue over his white to his red.
 
@@ -18,6 +18,13 @@ pub(super) fn diverging(x: f64) -> [u8; 3] {
     let t = (2.0 * x - 1.0).abs();
     let [m, s, h]: [f64; 3] = std::array::from_fn(|k| white[k] + t * (end[k] - white[k]));
     srgb([m * s.cos(), m * s.sin() * h.cos(), m * s.sin() * h.sin()])
+}
+
+/// A map from dark to bright at `x` in [0, 1], as 8-bit sRGB; even in lightness and told apart by colour-blind readers: viridis
+/// (van der Walt and Smith 2015). NaN is its dark end.
+pub(super) fn sequential(x: f64) -> [u8; 3] {
+    let color = colorous::VIRIDIS.eval_continuous(if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) });
+    [color.r, color.g, color.b]
 }
 
 /// CIELAB (white point D65) to 8-bit sRGB (IEC 61966-2-1).

@@ -36,6 +36,14 @@ pub fn headline(a: &Analysis) -> String {
         });
         lines.push(format!("P(ν): {} rings{first}", radial.rings.len()));
     }
+    if let Some(covariance) = &a.covariance {
+        let z = covariance
+            .scalars
+            .rms_z
+            .map_or(String::new(), |z| format!(", root mean square {} standard errors", human(z)));
+        let share = human(covariance.scalars.off_diagonal_share);
+        lines.push(format!("C(m, l): {0} x {0}, off the diagonal {share} of all |C|²{z}", covariance.modes()));
+    }
     if let Some(neighbors) = a.neighbors.as_ref() {
         let nn = &neighbors.distances;
         let value = |x: Option<f64>, se| x.map_or("undefined".into(), |x| with_error(x, se));

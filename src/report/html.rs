@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 
-use super::color_map::diverging;
+use super::color_map::{diverging, sequential};
+use super::covariance_image::CovarianceImage;
 use super::plots::{kernel_name, packing_symbol, size};
 use super::points_picture;
 use super::spectrum_image::{SpectrumImage, TONE_MAP};
@@ -30,6 +31,7 @@ pub(super) struct Pictures {
     pub(super) spectrum_angular: Option<String>,
     pub(super) neighbor_functions: Option<String>,
     pub(super) spectrum: Option<SpectrumImage>,
+    pub(super) covariance: Option<CovarianceImage>,
     pub(super) points: Option<String>,
 }
 
@@ -54,6 +56,8 @@ figcaption { color: #444; font-size: .95rem; margin-top: .5rem; }
 .scale { max-width: 640px; margin: .5rem auto 0; font-size: .85rem; }
 .scale span { display: block; height: 12px; }
 .scale div { display: flex; justify-content: space-between; }
+.scale p { position: relative; height: 1.6em; margin: 0; }
+.scale p i { position: absolute; transform: translateX(-50%); white-space: nowrap; }
 pre { background: #f6f6f6; padding: .75rem 1rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
 footer { color: #777; font-size: .85rem; margin-top: 3rem; }
 ";
@@ -157,6 +161,17 @@ fn domain(a: &Analysis) -> String {
         .map(|(&o, &s)| format!("[{}, {}]", human(o), human(o + s)))
         .collect();
     format!("window {}", ranges.join(" × "))
+}
+
+/// A bar of the colours of `sequential` with ticks.
+fn color_bar(ticks: &[(f64, String)]) -> String {
+    let stops = (0..=16).map(|k| sequential(f64::from(k) / 16.0)).map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}"));
+    let stops = stops.collect::<Vec<_>>().join(", ");
+    let labels: String =
+        ticks.iter().map(|(at, label)| format!("<i style=\"left: {:.2}%\">{label}</i>", 100.0 * at)).collect();
+    format!(
+        "<div class=\"scale\"><span style=\"background: linear-gradient(to right, {stops})\"></span><p>{labels}</p></div>"
+    )
 }
 
 /// `length units`, squared or cubed.
@@ -307,6 +322,13 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
     let definition = "<i>P</i>(<b>m</b>) = ∑<sub><i>k</i></sub> \
         |∑<sub><i>j</i></sub> exp(−2π<i>i</i> <b>m</b>·<b>x</b><sub><i>j</i></sub>/<i>L</i>)|<sup>2</sup> / \
         ∑<sub><i>k</i></sub> <i>n<sub>k</sub></i>";
+    if let Some(spectrum) = a.spectrum.as_ref().filter(|s| a.grid_wanted && s.waves.grid().is_none()) {
+        let _ = writeln!(
+            html,
+            "<h2>Power spectrum</h2>\n<p>{definition} at {} listed wave vectors: see spectrum_list.csv.</p>",
+            spectrum.p.len()
+        );
+    }
     if let Some(svg) = &pictures.spectrum_radial {
         let caption = format!(
             "{definition}, averaged over the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency \
@@ -338,11 +360,37 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         let data = base64::engine::general_purpose::STANDARD.encode(&image.png);
         let picture = format!(
             "<img alt=\"Power spectrum on the frequency grid\" width=\"{}\" height=\"{}\" \
-             src=\"data:image/png;base64,{data}\">",
-            image.width, image.height
+             src=\"data:image/png;base64,{data}\">\n{}",
+            image.width,
+            image.height,
+            color_bar(&image.ticks)
         );
         let caption =
             format!("{definition} on the frequency grid: {}. Tone map: {}.", escape(&image.caption), escape(TONE_MAP));
+        figure(html, &picture, &caption);
+    }
+    if let (Some(image), Some(covariance)) = (&pictures.covariance, &a.covariance) {
+        html.push_str("<h2>Covariance of amplitudes</h2>\n");
+        let data = base64::engine::general_purpose::STANDARD.encode(&image.png);
+        let picture = format!(
+            "<img alt=\"Covariance of amplitudes\" width=\"{0}\" height=\"{0}\" src=\"data:image/png;base64,{data}\">\n{1}",
+            image.side,
+            color_bar(&image.ticks)
+        );
+        let s = &covariance.scalars;
+        let value = |x: Option<f64>| x.map_or("undefined".into(), human);
+        let caption = format!(
+            "|<i>C<sub>ml</sub></i>| with <i>C<sub>ml</sub></i> = ∑<sub><i>k</i></sub> <i>s</i><sub><b>m</b></sub> \
+             <i>s</i><sub><b>l</b></sub><sup>*</sup> / ∑<sub><i>k</i></sub> <i>n<sub>k</sub></i>: {}. Its diagonal is <i>P</i>; \
+             off the diagonal the expectation is 0 for a stationary process. Without zero frequency, the share of all \
+             |<i>C</i>|<sup>2</sup> off the diagonal is {} (by chance alone {}), the largest |<i>C</i>| there {} standard \
+             errors, their root mean square {}.",
+            escape(&image.caption),
+            human(s.off_diagonal_share),
+            value(s.off_diagonal_share_by_chance),
+            value(s.largest_z),
+            value(s.rms_z)
+        );
         figure(html, &picture, &caption);
     }
     if let (Some(svg), Some(neighbors)) = (&pictures.neighbor_functions, &a.neighbors) {

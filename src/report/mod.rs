@@ -4,6 +4,7 @@
 //! `report.html` only.
 
 mod color_map;
+mod covariance_image;
 mod figure;
 mod headline;
 mod html;
@@ -23,6 +24,8 @@ pub use headline::headline;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+
+use rustfft::num_complex::Complex;
 
 use crate::analysis::Analysis;
 use crate::error::{Error, Result};
@@ -44,6 +47,8 @@ const FILES: &[&str] = &[
     "spectrum_from_pcf.csv",
     "pcf_from_spectrum.csv",
     "neighbor_functions.csv",
+    "covariance.npy",
+    "covariance_se.npy",
     "spectrum.npy",
     "spectrum_se.npy",
     "pcf_vector.npy",
@@ -60,6 +65,7 @@ const FILES: &[&str] = &[
     "spectrum_angular.svg",
     "neighbor_functions.svg",
     "spectrum.png",
+    "covariance.png",
     "points.svg",
     "report.html",
     SUMMARY,
@@ -218,6 +224,13 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, file));
         }
     }
+    if let Some(covariance) = &analysis.covariance {
+        let (modes, c) = (covariance.modes(), &covariance.c);
+        files.stream("covariance.npy", |file| npy::matrix(modes, c.iter().map(|&[re, im]| Complex { re, im }), file));
+        if let Some(c_se) = &covariance.c_se {
+            files.stream("covariance_se.npy", |file| npy::matrix(modes, c_se.iter().copied(), file));
+        }
+    }
     if let Some(vector) = &analysis.vector {
         files.stream("pcf_vector.npy", |file| npy::lags(&vector.grid, &vector.g, file));
         if analysis.shape.realizations >= 2 {
@@ -238,13 +251,22 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         ..Default::default()
     };
     if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
-        match spectrum_image::render(spectrum) {
+        match spectrum_image::render(spectrum, &analysis.domain, analysis.shape.mean_points) {
             Ok(Some(image)) => {
                 files.add("spectrum.png", Some(Ok(&image.png)));
                 pictures.spectrum = Some(image);
             }
             Ok(None) => {}
             Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+        }
+    }
+    if let Some(covariance) = &analysis.covariance {
+        match covariance_image::render(covariance) {
+            Ok(image) => {
+                files.add("covariance.png", Some(Ok(&image.png)));
+                pictures.covariance = Some(image);
+            }
+            Err(e) => files.add("covariance.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
         }
     }
     if let Some(vector) = &analysis.vector {

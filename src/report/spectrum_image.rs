@@ -1,16 +1,29 @@
-//! `spectrum.png`: P on the frequency grid as a grey picture, DC at the centre, the y axis up.
+//! `spectrum.png`: P on the frequency grid in colours, DC at the centre, the y axis up.
 
+use super::color_map::sequential;
+use super::text::human;
 use crate::estimate::PowerSpectrum;
+use crate::points::Domain;
 
-/// What a grey level means, in words; the same text is in the file and in the page.
-pub(super) const TONE_MAP: &str = "v = min(1, log2(1 + P) / 2): P = 0 black, P = 1 mid-grey, P >= 3 white; colour map: grey, 8-bit sRGB value round(255 v)";
+/// What a colour means, in words; the same text is in the file and in the page.
+pub(super) const TONE_MAP: &str = "v = P (1 + P / n^2) / (1 + P) (Reinhard et al. 2002, eq. 4): P = 0 lowest, P = 1 in the middle, P = n highest; \
+     colour map: viridis, from dark blue through green to yellow";
 
 /// A grid may be far larger than any screen; a picture shows at most `|m| <= HALF_SIDE` per axis, so that one mode stays
 /// at least one pixel and the page stays a few MB.
 const HALF_SIDE: u32 = 1023;
 
-/// Pixels a small grid is magnified towards, by a whole factor.
-const TARGET: u32 = 1024;
+/// Pixels a small grid is magnified towards, by whole factors.
+const TARGET: f64 = 1024.0;
+
+/// No side of a picture is shorter than this part of the other.
+const THINNEST: f64 = 0.25;
+
+/// Pixels that an isolated peak has at least per axis, however large the grid.
+const PEAK: u32 = 5;
+
+/// DC is n, not a fluctuation: a grey that means nothing.
+const DC: [u8; 3] = [128; 3];
 
 /// The picture and what it shows.
 pub(super) struct SpectrumImage {
@@ -19,32 +32,80 @@ pub(super) struct SpectrumImage {
     pub(super) height: u32,
     /// What is seen, besides the tone map.
     pub(super) caption: String,
+    /// Places on the colour bar, from 0 to 1, and the P that they stand for.
+    pub(super) ticks: Vec<(f64, String)>,
 }
 
-/// The grey level of `p`.
-fn tone(p: f64) -> u8 {
-    // NaN casts to 0.
-    (255.0 * ((1.0 + p).log2() / 2.0).min(1.0)).round() as u8
+/// Where `p` is between the ends of the colours, for `n` points.
+fn tone(p: f64, n: f64) -> f64 {
+    (p * (1.0 + p / (n * n)) / (1.0 + p)).clamp(0.0, 1.0)
 }
 
-/// `None` for a list, and in one dimension, where the radial curve already shows all.
-pub(super) fn render(spectrum: &PowerSpectrum) -> Result<Option<SpectrumImage>, png::EncodingError> {
+fn ticks(n: f64) -> Vec<(f64, String)> {
+    let below = [0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0].into_iter().filter(|&p| p == 0.0 || p <= 0.4 * n);
+    below.map(|p| (tone(p, n), human(p))).chain([(1.0, format!("n = {}", human(n)))]).collect()
+}
+
+/// Pixels per mode along both axes: modes keep their shape in frequency per unit length, as far as whole pixels allow, and the
+/// picture is not too thin to be seen.
+fn pixels(modes: [u32; 2], sides: [f64; 2]) -> [u32; 2] {
+    let modes = modes.map(f64::from);
+    let longest = (modes[0] / sides[0]).max(modes[1] / sides[1]);
+    let mut pixels = sides.map(|side| (TARGET / side / longest).floor().max(1.0));
+    let extent = |axis: usize| modes[axis] * pixels[axis];
+    let longer = extent(0).max(extent(1));
+    for axis in 0..2 {
+        if modes[axis] * pixels[axis] < THINNEST * longer {
+            pixels[axis] = (THINNEST * longer / modes[axis]).ceil();
+        }
+    }
+    pixels.map(|p| p as u32)
+}
+
+/// `None` for a list, and in one dimension, where the radial curve already shows all. `n` is the number of points.
+pub(super) fn render(
+    spectrum: &PowerSpectrum,
+    domain: &Domain,
+    n: f64,
+) -> Result<Option<SpectrumImage>, png::EncodingError> {
     let Some(grid) = spectrum.waves.grid().filter(|grid| grid.dim() >= 2) else { return Ok(None) };
     let [f0, f1, _] = grid.max_frequency();
     let (h0, h1) = (f0.min(HALF_SIDE) as i32, f1.min(HALF_SIDE) as i32);
     let (columns, rows) = (2 * h0 as u32 + 1, 2 * h1 as u32 + 1);
-    let zoom = (TARGET / columns.max(rows)).max(1);
-    let (width, height) = (columns * zoom, rows * zoom);
+    let [dx, dy] = pixels([columns, rows], [domain.sides()[0], domain.sides()[1]]);
+    let (width, height) = (columns * dx, rows * dy);
 
-    let mut pixels = Vec::with_capacity((width * height) as usize);
-    for m1 in (-h1..=h1).rev() {
-        let row: Vec<u8> = (-h0..=h0)
-            // DC is n, not a fluctuation: black, so that it says nothing.
-            .map(|m0| if (m0, m1) == (0, 0) { 0 } else { tone(spectrum.p[grid.half_index([m0, m1, 0])]) })
-            .flat_map(|v| std::iter::repeat_n(v, zoom as usize))
-            .collect();
-        for _ in 0..zoom {
-            pixels.extend_from_slice(&row);
+    let p = |m0: i32, m1: i32| spectrum.p[grid.half_index([m0, m1, 0])];
+    let modes = || (-h1..=h1).rev().flat_map(|m1| (-h0..=h0).map(move |m0| (m0, m1)));
+    let mut tones = vec![0.0; (width * height) as usize];
+    let mut fill = |x: std::ops::Range<u32>, y: std::ops::Range<u32>, v: f64| {
+        for y in y {
+            for tone in &mut tones[(y * width + x.start) as usize..(y * width + x.end) as usize] {
+                *tone = v.max(*tone);
+            }
+        }
+    };
+    let mut peaks = Vec::new();
+    for (m0, m1) in modes() {
+        let (x, y) = ((m0 + h0) as u32 * dx, (h1 - m1) as u32 * dy);
+        fill(x..x + dx, y..y + dy, tone(p(m0, m1), n));
+        // Far above what one realization of a structure without peaks shows.
+        if p(m0, m1) > n.sqrt().max(32.0) && (m0, m1) != (0, 0) {
+            peaks.push((x + dx / 2, y + dy / 2, tone(p(m0, m1), n)));
+        }
+    }
+    // As large as leaves most of the picture to the rest.
+    let room = (f64::from(width) * f64::from(height) / 4.0 / peaks.len().max(1) as f64).sqrt();
+    let reach = PEAK.min(room as u32) / 2;
+    for &(x, y, v) in peaks.iter().filter(|_| dx.min(dy) < PEAK) {
+        let around = |at: u32, end: u32| at.saturating_sub(reach)..(at + reach + 1).min(end);
+        fill(around(x, width), around(y, height), v);
+    }
+    let mut image: Vec<u8> = tones.into_iter().flat_map(sequential).collect();
+    for y in (h1 as u32 * dy)..(h1 as u32 + 1) * dy {
+        for x in (h0 as u32 * dx)..(h0 as u32 + 1) * dx {
+            let at = 3 * (y * width + x) as usize;
+            image[at..at + 3].copy_from_slice(&DC);
         }
     }
 
@@ -55,18 +116,56 @@ pub(super) fn render(spectrum: &PowerSpectrum) -> Result<Option<SpectrumImage>, 
     if h0 < f0 as i32 || h1 < f1 as i32 {
         caption.push_str("the middle of a larger grid, ");
     }
-    let each = if zoom == 1 { "one pixel".into() } else { format!("{zoom} x {zoom} pixels") };
-    caption.push_str(&format!("each mode {each}, DC (the centre) drawn black"));
+    let each = if dx * dy == 1 { "one pixel".into() } else { format!("{dx} x {dy} pixels") };
+    caption.push_str(&format!("each mode {each}, DC (the centre) drawn grey"));
+    if !peaks.is_empty() && dx.min(dy) < PEAK && reach > 0 {
+        let wide = 2 * reach + 1;
+        caption.push_str(&format!(", peaks above P = {} at least {wide} pixels wide", human(n.sqrt().max(32.0))));
+    }
+    let png = encode(&image, [width, height], "Power spectrum P(m)", &format!("{caption}. Tone map: {TONE_MAP}"))?;
+    Ok(Some(SpectrumImage { png, width, height, caption, ticks: ticks(n) }))
+}
 
+/// An RGB picture with its title and description, which are in ASCII.
+pub(super) fn encode(
+    rgb: &[u8],
+    [width, height]: [u32; 2],
+    title: &str,
+    description: &str,
+) -> Result<Vec<u8>, png::EncodingError> {
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, width, height);
-    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.add_text_chunk("Title".into(), "Power spectrum P(m)".into())?;
-    encoder.add_text_chunk("Description".into(), format!("{caption}. Tone map: {TONE_MAP}"))?;
+    encoder.add_text_chunk("Title".into(), title.into())?;
+    encoder.add_text_chunk("Description".into(), description.into())?;
     encoder.add_text_chunk("Software".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into())?;
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels)?;
+    writer.write_image_data(rgb)?;
     writer.finish()?;
-    Ok(Some(SpectrumImage { png, width, height, caption }))
+    Ok(png)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tones_are_monotone_with_1_in_the_middle() {
+        for n in [2.0, 100.0, 1e6] {
+            let p: Vec<f64> = (0..=1000).map(|k| n * (f64::from(k) / 1000.0).powi(3)).collect();
+            assert!(p.windows(2).all(|w| tone(w[0], n) < tone(w[1], n)), "n = {n}");
+            assert_eq!((tone(0.0, n), tone(n, n), tone(f64::NAN, n).is_nan()), (0.0, 1.0, true));
+        }
+        assert!((tone(1.0, 1000.0) - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn unequal_grids_are_neither_thin_nor_huge() {
+        assert_eq!(pixels([2001, 7], [1.0, 1.0]), [1, 72]);
+        assert_eq!(pixels([103, 103], [1.0, 1.0]), [9, 9]);
+        assert_eq!(pixels([401, 101], [4.0, 1.0]), [2, 10]);
+        assert_eq!(pixels([2047, 2047], [1.0, 1.0]), [1, 1]);
+        assert_eq!(pixels([3, 2047], [1.0, 1.0]), [171, 1]);
+    }
 }

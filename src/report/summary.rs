@@ -6,7 +6,7 @@ use super::spectrum_numbers::{BandsOut, ConsistencyOut, ScalarsOut};
 use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization};
+use crate::estimate::{BondOrder, CovarianceScalars, CrossValidation, ErrorSource, NeighborDistances, Normalization};
 use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound, RING_DIRECTIONS_RULE, WaveGrid, WaveVectors};
 use crate::points::Domain;
 
@@ -38,6 +38,7 @@ struct Summary<'a> {
     radial: Option<RadialOut>,
     spectrum_scalars: Option<ScalarsOut>,
     consistency: Option<ConsistencyOut>,
+    covariance: Option<CovarianceOut>,
     neighbors: Option<NeighborsOut>,
     duplicates: u64,
     closed_form: Option<&'a str>,
@@ -161,6 +162,18 @@ struct RadialOut {
     errors: ErrorSource,
     anisotropy_reference_db: f64,
     bands: BandsOut,
+}
+
+#[derive(Serialize)]
+struct CovarianceOut {
+    /// B: all |m_k| and |l_k| up to it.
+    max_frequency: u32,
+    /// Rows and columns.
+    modes: usize,
+    /// Their order in rows and columns.
+    order: &'static str,
+    #[serde(flatten)]
+    scalars: CovarianceScalars,
 }
 
 #[derive(Serialize)]
@@ -301,6 +314,12 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
         }),
         spectrum_scalars: a.details.as_ref().map(ScalarsOut::new),
         consistency: a.details.as_ref().and_then(ConsistencyOut::new),
+        covariance: a.covariance.as_ref().map(|c| CovarianceOut {
+            max_frequency: c.grid.max_frequency()[0],
+            modes: c.modes(),
+            order: "m_x slowest, each m_k from -B to B; m = 0 in the middle",
+            scalars: c.scalars,
+        }),
         neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
             distances: n.distances,
             functions: FunctionsOut {

@@ -1,6 +1,7 @@
 //! `pcf_vector.png`: g on the grid of lags in colours that part at g = 1, lag 0 at the centre, the y axis up.
 
 use super::color_map::diverging;
+use super::spectrum_image::encode;
 use crate::estimate::VectorCorrelation;
 
 /// Pixels a panel is magnified towards, by a whole factor.
@@ -83,16 +84,8 @@ pub(super) fn render(vector: &VectorCorrelation) -> Result<Option<VectorImage>, 
         );
     }
     let scale = scale_text([low, high]);
-    let mut png = Vec::new();
-    let mut encoder = png::Encoder::new(&mut png, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.add_text_chunk("Title".into(), "Pair correlation function g(h)".into())?;
-    encoder.add_text_chunk("Description".into(), format!("{caption}. {scale}"))?;
-    encoder.add_text_chunk("Software".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into())?;
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&image)?;
-    writer.finish()?;
+    let title = "Pair correlation function g(h)";
+    let png = encode(&image, [width, height], title, &format!("{caption}. {scale}"))?;
     Ok(Some(VectorImage { png, width, height, caption, range: [low, high] }))
 }
 

@@ -13,6 +13,7 @@ mod pair_weights;
 mod phase_tables;
 mod product;
 mod simd;
+mod wave_covariance;
 mod wave_power;
 mod wave_product;
 mod wave_terms;
@@ -20,9 +21,9 @@ mod wave_terms;
 pub use simd::{SimdLevel, fma_gflop};
 
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
 use crate::error::{Error, Result};
-use crate::plan::{KernelPlan, LagPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// More threads than this are a typing error.
@@ -84,6 +85,16 @@ impl Cpu {
     ) -> Result<KernelSums> {
         kernel_sums::kernel_sums(self, plan, ensemble, control)
     }
+
+    /// Products of amplitudes.
+    pub(super) fn amplitude_products(
+        &self,
+        plan: &CovariancePlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Result<WaveCovariance> {
+        wave_covariance::wave_covariance(self, plan, ensemble, control)
+    }
 }
 
 impl Compute for Cpu {
@@ -107,5 +118,14 @@ impl Compute for Cpu {
 
     fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
         Some(self.direct_kernel_sums(plan, ensemble, control))
+    }
+
+    fn wave_covariance(
+        &self,
+        plan: &CovariancePlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Option<Result<WaveCovariance>> {
+        Some(self.amplitude_products(plan, ensemble, control))
     }
 }

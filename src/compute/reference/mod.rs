@@ -2,11 +2,12 @@
 
 mod kernel_sums;
 mod pair_counts;
+mod wave_covariance;
 pub(in crate::compute) mod wave_power;
 use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WavePower};
+use crate::accumulate::{CovarianceSums, KernelSums, LEAF, LagCounts, PairCounts, WaveCovariance, WavePower};
 use crate::error::Result;
-use crate::plan::{KernelPlan, LagPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
 pub(crate) use pair_counts::MAX_ISOTROPIC;
 pub use pair_counts::{
     border_distance, depth, isotropic_weight, minimum_image, squared_distance, translation_weight, weighted_pair,
@@ -60,6 +61,29 @@ impl Compute for Reference {
             }
         }
         sums.close_leaf();
+        Some(Ok(sums))
+    }
+
+    fn wave_covariance(
+        &self,
+        plan: &CovariancePlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Option<Result<WaveCovariance>> {
+        let mut sums = WaveCovariance::new(self.computed_by(), plan.stored());
+        let indices: Vec<usize> = (0..ensemble.realizations()).collect();
+        let leaf_of = |k: usize| (ensemble.first_index() + k as u64) / LEAF;
+        for leaf in indices.chunk_by(|&a, &b| leaf_of(a) == leaf_of(b)) {
+            let mut part = CovarianceSums::new(plan.stored());
+            for &k in leaf {
+                let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+                match wave_power::amplitudes(&plan.grid.into(), &axes, weights, control) {
+                    Ok(all) => wave_covariance::add(&mut part, &all[plan.grid.dc()..], ensemble.norm(k)),
+                    Err(error) => return Some(Err(error)),
+                }
+            }
+            sums.add_leaf(leaf_of(leaf[0]), leaf.len() as u64, part);
+        }
         Some(Ok(sums))
     }
 }

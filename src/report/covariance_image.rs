@@ -1,0 +1,65 @@
+//! `covariance.png`: |C_ml| as a matrix, m downward and l to the right.
+
+use super::color_map::sequential;
+use super::spectrum_image::encode;
+use super::text::human;
+use crate::estimate::AmplitudeCovariance;
+
+/// Decades below the largest value that colours tell apart.
+const DECADES: i32 = 4;
+
+/// Pixels a small matrix is magnified towards, by a whole factor.
+const TARGET: usize = 640;
+
+/// Larger matrices are shown by the largest of each block.
+const LARGEST: usize = 2048;
+
+/// The picture and what it shows.
+pub(super) struct CovarianceImage {
+    pub(super) png: Vec<u8>,
+    pub(super) side: u32,
+    /// What is seen.
+    pub(super) caption: String,
+    /// Places on the colour bar, from 0 to 1, and the |C| that they stand for.
+    pub(super) ticks: Vec<(f64, String)>,
+}
+
+/// Nothing to be seen if all is 0.
+pub(super) fn render(covariance: &AmplitudeCovariance) -> Result<CovarianceImage, png::EncodingError> {
+    let (modes, dc) = (covariance.modes(), covariance.dc());
+    let others = || (0..modes).filter(|&m| m != dc);
+    let top = others().map(|m| covariance.magnitude(m, m)).fold(0.0, f64::max);
+    let tone = |c: f64| (1.0 + (c / top).log10() / f64::from(DECADES)).clamp(0.0, 1.0);
+    let block = modes.div_ceil(LARGEST);
+    let cells = modes.div_ceil(block);
+    let zoom = (TARGET / cells).max(1);
+    let side = cells * zoom;
+    let mut image = Vec::with_capacity(3 * side * side);
+    for row in 0..cells {
+        let members = |cell: usize| cell * block..((cell + 1) * block).min(modes);
+        let line: Vec<u8> = (0..cells)
+            .map(|column| {
+                let pairs = members(row).flat_map(|m| members(column).map(move |l| (m, l)));
+                pairs.map(|(m, l)| covariance.magnitude(m, l)).fold(0.0, f64::max)
+            })
+            .flat_map(|c| std::iter::repeat_n(sequential(tone(c)), zoom))
+            .flatten()
+            .collect();
+        (0..zoom).for_each(|_| image.extend_from_slice(&line));
+    }
+    let largest = covariance.grid.max_frequency()[0];
+    let shown = match block {
+        1 => format!("each pair {zoom} x {zoom} pixels"),
+        _ => format!("each pixel the largest of {block} x {block} pairs"),
+    };
+    let caption = format!(
+        "m downward and l to the right, both in the order of covariance.npy, all |m_k| <= {largest} with x slowest and DC in \
+         the middle; {shown}; logarithmic from {:.3e} to {top:.3e}, the largest P but DC",
+        top * 10f64.powi(-DECADES)
+    );
+    let description = format!("{caption}; colour map: viridis");
+    let png = encode(&image, [side as u32; 2], "Covariance of amplitudes |C_ml|", &description)?;
+    let ticks =
+        (0..=DECADES).map(|k| (f64::from(k) / f64::from(DECADES), human(top * 10f64.powi(k - DECADES)))).collect();
+    Ok(CovarianceImage { png, side: side as u32, caption, ticks })
+}
