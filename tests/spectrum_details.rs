@@ -42,7 +42,13 @@ fn jittered(k: usize, seed: u64) -> RawPoints {
 }
 
 /// A made-up spectrum: `q(realization, m)` with norm n for every stored mode.
-fn made_up(domain: &Domain, f: &[u32], n: f64, k: u64, mut q: impl FnMut(u64, [i32; 3]) -> f64) -> (WavePlan, WavePower) {
+fn made_up(
+    domain: &Domain,
+    f: &[u32],
+    n: f64,
+    k: u64,
+    mut q: impl FnMut(u64, [i32; 3]) -> f64,
+) -> (WavePlan, WavePower) {
     let shape = EnsembleShape { realizations: k, mean_points: n, max_points: n as u64 };
     let plan = sectors(WavePlan::new(domain, WaveGrid::new(f).unwrap(), Accuracy::High, shape).unwrap(), 18);
     let grid = *plan.waves.grid().unwrap();
@@ -158,7 +164,14 @@ fn the_effective_nyquist_frequency_of_known_spectra() {
         let (plan, power) = made_up(&unit, &[160, 160], n, 2, |_, m| p(m));
         estimates(&plan, &power).2.scalars.blue_noise.unwrap()
     };
-    let sinc = |m: i32| if m == 0 { 1.0 } else { let x = PI * f64::from(m) / 64.0; (x.sin() / x).powi(2) };
+    let sinc = |m: i32| {
+        if m == 0 {
+            1.0
+        } else {
+            let x = PI * f64::from(m) / 64.0;
+            (x.sin() / x).powi(2)
+        }
+    };
     let jittered = nyquist(&|m| 1.0 - sinc(m[0]) * sinc(m[1]));
     // E(nu) = pi^2 nu^2 / (6 n) - ..., the next term by a fine sum over the closed form: 0.2519.
     assert!((jittered.effective_nyquist.unwrap() - 0.2519).abs() < 0.002, "{jittered:?}");
@@ -187,7 +200,9 @@ fn psa_statistics_of_known_counts() {
     let (points, dr) = (n as f64, 0.5 / bins as f64);
     let ring = |i: usize| 0.5 * points * (points - 1.0) * PI * dr * dr * (2 * i + 1) as f64;
     // Scaled up, so that rounding to integers does not matter; n (n - 1) scales with it.
-    let counts = |g: &dyn Fn(f64) -> f64| vec![(0..bins).map(|i| (ring(i) * g(i as f64 * dr)).round() as u64).collect::<Vec<_>>()];
+    let counts = |g: &dyn Fn(f64) -> f64| {
+        vec![(0..bins).map(|i| (ring(i) * g(i as f64 * dr)).round() as u64).collect::<Vec<_>>()]
+    };
     let random = PsaStatistics::new(n, &counts(&|_| 1.0)).unwrap();
     assert_eq!(random.effective_nyquist, 0.0);
     assert!(random.oscillation < 0.5, "rounded counts: {random:?}");
@@ -209,8 +224,7 @@ fn the_exponent_at_low_frequency() {
         for seed in 0..runs {
             let mut rng = Rng(1000 + seed);
             let profile = |m: [i32; 3]| (f64::from(m[0]).hypot(f64::from(m[1])) / 40.0).powf(b);
-            let (plan, power) =
-                made_up(&unit, &[12, 12], 1600.0, 4, |_, m| -profile(m) * (1.0 - rng.unit()).ln());
+            let (plan, power) = made_up(&unit, &[12, 12], 1600.0, 4, |_, m| -profile(m) * (1.0 - rng.unit()).ln());
             let low = estimates(&plan, &power).2.scalars.low_frequency.unwrap();
             assert_eq!(low.rings, 8);
             let [lo, hi] = low.exponent_interval.unwrap();
@@ -249,9 +263,8 @@ fn the_level_at_high_frequency() {
     let each: Vec<f64> = (0..5)
         .map(|k| {
             let (_, radial, _) = details(&e.slice(k..k + 1), &[20, 20], 20, 8);
-            let (sum, modes) = radial.rings[10..].iter().fold((0.0, 0.0), |(s, n), r| {
-                (s + r.p * r.modes as f64, n + r.modes as f64)
-            });
+            let (sum, modes) =
+                radial.rings[10..].iter().fold((0.0, 0.0), |(s, n), r| (s + r.p * r.modes as f64, n + r.modes as f64));
             sum / modes
         })
         .collect();
@@ -357,7 +370,9 @@ fn hostile_spectra_are_defined_or_absent() {
         let low = s.low_frequency;
         assert!(low.is_none_or(|l| l.hyperuniformity_index.is_finite() && l.exponent.is_none_or(f64::is_finite)));
         let of_pcf = d.of_pcf.as_ref();
-        assert!(of_pcf.is_none_or(|s| s.p_from_g.iter().chain(&s.g_from_p).all(|v| v.is_finite()) && s.rms.is_finite()));
+        assert!(
+            of_pcf.is_none_or(|s| s.p_from_g.iter().chain(&s.g_from_p).all(|v| v.is_finite()) && s.rms.is_finite())
+        );
     };
     // All points equal: P = n for every m; F = 0: no ring; a single ring; one dimension: single modes.
     for (set, f) in [

@@ -7,8 +7,8 @@ use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape, Kernel, KernelPlan,
-    LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
+    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape,
+    Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
 };
 use crate::points::Domain;
 use crate::points::read::read_edges;

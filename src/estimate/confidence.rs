@@ -106,7 +106,10 @@ mod tests {
         for independent in [1e4, 1e6, 1e9] {
             let band = of(2, independent, 9.0);
             let reach = 1.959_964 / (2.0 * independent).sqrt();
-            assert!(((band.hi - 1.0) / reach - 1.0).abs() < 0.02 && ((1.0 - band.lo) / reach - 1.0).abs() < 0.02, "{band:?}");
+            assert!(
+                ((band.hi - 1.0) / reach - 1.0).abs() < 0.02 && ((1.0 - band.lo) / reach - 1.0).abs() < 0.02,
+                "{band:?}"
+            );
         }
     }
 

@@ -60,18 +60,16 @@ impl LowFrequency {
         }
         let peak = radial.rings.iter().map(|r| r.p).fold(1.0, f64::max);
         let exponent = p.iter().all(|&p| p > 1e-12 * peak).then(|| {
-            let logs: Vec<f64> = (0..count)
-                .map(|k| p[k].ln() - digamma(ordinates(k)) + ordinates(k).ln())
-                .collect();
+            let logs: Vec<f64> = (0..count).map(|k| p[k].ln() - digamma(ordinates(k)) + ordinates(k).ln()).collect();
             let weights: Vec<f64> = (0..count).map(ordinates).collect();
             Line::through(&nu.iter().map(|x| x.ln()).collect::<Vec<_>>(), &logs, &weights)
         });
-        let quantile = StudentsT::new(0.0, 1.0, (count - 2) as f64).map_or(f64::INFINITY, |t| {
-            t.inverse_cdf(0.5 + 0.5 * CONFIDENCE)
-        });
+        let quantile = StudentsT::new(0.0, 1.0, (count - 2) as f64)
+            .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * CONFIDENCE));
         let interval = |l: &Line| {
             // Known scatter has normal quantiles, estimated scatter those of Student's t; the wider of the two.
-            let reach = (super::confidence::normal_quantile() * l.slope_se).max(quantile * l.slope_se * l.scatter.sqrt());
+            let reach =
+                (super::confidence::normal_quantile() * l.slope_se).max(quantile * l.slope_se * l.scatter.sqrt());
             [l.slope - reach, l.slope + reach]
         };
         Some(Self {

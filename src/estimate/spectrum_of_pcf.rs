@@ -52,7 +52,8 @@ impl SpectrumOfPcf {
         let (dim, rings) = (domain.dim(), &radial.rings);
         let pairs_per_point = spectrum.dc()?.0 - 1.0;
         let whole = pcf.r_hi.iter().take_while(|&&r| r <= domain.shortest_side() / 2.0 * (1.0 + 1e-12)).count();
-        let usable = domain.is_torus() && !rings.is_empty() && pcf.r_lo[0] == 0.0 && whole > 0 && pairs_per_point > 1e-12;
+        let usable =
+            domain.is_torus() && !rings.is_empty() && pcf.r_lo[0] == 0.0 && whole > 0 && pairs_per_point > 1e-12;
         // What turns n^2 into n(n - 1).
         let factor = match pcf.normalization {
             Normalization::Pairs => 1.0,
@@ -80,7 +81,8 @@ impl SpectrumOfPcf {
         let scatter = |k: usize| rings[k].p / (radial.realizations * rings[k].independent_modes as f64).sqrt();
         Some(Self {
             rms: mean_square(&|k| difference(k).powi(2)).sqrt(),
-            rms_in_standard_errors: (mean_square(&|k| difference(k).powi(2)) / mean_square(&|k| scatter(k).powi(2))).sqrt(),
+            rms_in_standard_errors: (mean_square(&|k| difference(k).powi(2)) / mean_square(&|k| scatter(k).powi(2)))
+                .sqrt(),
             nu: rings.iter().map(|r| r.nu).collect(),
             p: rings.iter().map(|r| r.p).collect(),
             p_from_g,
