@@ -48,6 +48,9 @@ fn self_check_passes_and_says_what_it_found() {
     let Some(gpu) = shared("self-check") else { return };
     println!("{}\n{}", gpu.gpu().summary(), gpu.verdict());
     assert!(gpu.verdict().passed() && gpu.verdict().checks.len() >= 5);
+    // A device may have no f64, but one that has it is to compute well.
+    let f64 = gpu.verdict().f64();
+    assert!(f64.as_ref().err().is_none_or(|why| why.contains("SHADER_F64")), "{f64:?}");
     assert!(adapters().iter().any(|a| a == gpu.gpu().summary()));
 }
 
