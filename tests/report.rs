@@ -22,8 +22,8 @@ use pairwave::estimate::{
     PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,
 };
 use pairwave::plan::{
-    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan, PairSettings,
-    RadialBins, Rings, SmoothingKernel, WaveGrid,
+    Accuracy, Bandwidth, Convention, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan,
+    PairSettings, RadialBins, Rings, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
@@ -57,6 +57,8 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         spectrum: Some(spectrum),
         grid_wanted: true,
         radial: Some(radial),
+        convention: Convention::Ours,
+        bug_compatible: false,
         neighbors: Some(neighbors(&ensemble)),
         closed_form: ClosedForm::default(),
         accuracy: Accuracy::High,

@@ -13,7 +13,7 @@ pub use envelope::Envelopes;
 use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
-use plan::check_points;
+use plan::{check_convention, check_points};
 
 use crate::accumulate::LagCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
@@ -22,7 +22,7 @@ use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
     RadialSpectrum, VectorCorrelation,
 };
-use crate::plan::{Accuracy, Correction, EnsembleShape, LagPlan};
+use crate::plan::{Accuracy, Convention, Correction, EnsembleShape, LagPlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -60,6 +60,10 @@ pub struct Analysis {
     pub grid_wanted: bool,
     /// Radial mean and anisotropy.
     pub radial: Option<RadialSpectrum>,
+    /// Whose rings and labels these are.
+    pub convention: Convention,
+    /// Whether with the defects of that program.
+    pub bug_compatible: bool,
     /// Nearest-neighbour statistics.
     pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
@@ -116,9 +120,10 @@ impl Estimates {
         let pairs = plan.pairs.as_ref().zip(sums.pairs.as_ref());
         let kernel = plan.kernel.as_ref().zip(sums.kernel.as_ref());
         Self {
-            pair_correlation: pairs
-                .filter(|_| plan.pcf)
-                .map(|(plan, sums)| PairCorrelation::new(plan, sums, normalization)),
+            pair_correlation: pairs.filter(|_| plan.pcf).map(|(pairs, sums)| {
+                let g = PairCorrelation::new(pairs, sums, normalization);
+                if plan.psa_bins { g.as_psa(pairs, plan.bug_compatible) } else { g }
+            }),
             k_function: pairs
                 .and_then(|(plan, sums)| KFunction::new(plan, sums, normalization, measured.shape().mean_points)),
             kernel: kernel.map(|(plan, sums)| KernelEstimate {
@@ -157,6 +162,7 @@ pub fn run(
     // A sampler that draws n is only now known to have drawn enough.
     let shape = measured.shape();
     check_points(plan.pairs.is_some() || plan.lags.is_some() || plan.neighbors.is_some(), shape)?;
+    check_convention(request, source.domain(), shape)?;
     progress(Progress { stage: "estimates", done: total, total });
     let estimates = clock.time("estimates", || Estimates::new(&measured, request.normalization));
     let envelopes = (plan.simulations > 0)
@@ -249,7 +255,11 @@ pub fn run(
         (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
         _ => None,
     };
-    let closed_form = closed_form(source, &plan, request.normalization, pair_correlation.as_ref());
+    let closed_form = match request.convention {
+        Convention::Ours => closed_form(source, &plan, request.normalization, pair_correlation.as_ref()),
+        // Closed forms are at the centres of our bins and rings.
+        _ => ClosedForm::default(),
+    };
     clock.add("estimates", start.elapsed().as_secs_f64());
     Ok(Analysis {
         subject: source.subject().to_string(),
@@ -267,6 +277,8 @@ pub fn run(
         spectrum,
         grid_wanted: plan.grid_wanted,
         radial,
+        convention: request.convention,
+        bug_compatible: request.bug_compatible,
         neighbors,
         closed_form,
         accuracy: request.accuracy,

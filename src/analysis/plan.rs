@@ -6,6 +6,7 @@ use std::path::Path;
 use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
+use crate::estimate::Normalization;
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan,
     LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
@@ -20,6 +21,10 @@ use crate::source::Source;
 pub struct Plan {
     /// Whether g is wanted, not only K.
     pub(super) pcf: bool,
+    /// Whether its bins are PSA's.
+    pub(super) psa_bins: bool,
+    /// Whether with the defects of that program.
+    pub(super) bug_compatible: bool,
     pub(super) pairs: Option<PairPlan>,
     /// Two classes of points whose own g and whose g with each other is wanted.
     pub(super) classes: Option<Classes>,
@@ -61,13 +66,14 @@ impl Plan {
         let (pcf, k_function) = (wants(Statistic::Pcf), wants(Statistic::KFunction));
         check_points(pcf || k_function || wants(Statistic::PcfVector) || wants(Statistic::Neighbors), shape)?;
         refuse_idle_settings(request)?;
+        check_convention(request, domain, shape)?;
         let bins = (pcf || k_function).then(|| bins(request, domain, shape.mean_points)).transpose()?;
         let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
         let correction = request.correction.unwrap_or(default_correction);
         let settings = PairSettings {
             correction,
             cumulative: k_function,
-            beyond_half: request.beyond_half,
+            beyond_half: request.beyond_half || request.convention.pair_bins(shape.max_points).is_some(),
             masses: request.input.weight_column.is_some(),
         };
         if request.beyond_half && !domain.is_torus() {
@@ -107,12 +113,14 @@ impl Plan {
         let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
-            let frequencies = match given {
-                Some([f]) => vec![*f; domain.dim()],
-                Some(each) => each.to_vec(),
-                None => WaveGrid::default_max_frequency(shape.mean_points, domain),
+            let frequencies = match (given, request.convention.max_frequency(shape.max_points)) {
+                (Some([f]), _) => vec![*f; domain.dim()],
+                (Some(each), _) => each.to_vec(),
+                (None, Some(f)) => vec![f; domain.dim()],
+                (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain),
             };
-            Some(WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?)
+            let plan = WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?;
+            Some(plan.with_convention(request.convention, request.bug_compatible)?)
         } else {
             None
         };
@@ -139,6 +147,8 @@ impl Plan {
         }
         Ok(Self {
             pcf,
+            psa_bins: request.convention == Convention::Psa,
+            bug_compatible: request.bug_compatible,
             pairs,
             kernel,
             search,
@@ -210,6 +220,8 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
     let pairs: &[Statistic] = &[Pcf, KFunction];
     let waves: &[Statistic] = &[Spectrum, Radial];
     let convention = (request.convention != Convention::Ours).then(|| request.convention.to_string());
+    let of_convention: &[Statistic] =
+        if request.convention == Convention::Psa { &[Pcf, Spectrum, Radial] } else { waves };
     let settings: [(&str, Option<String>, &[Statistic]); 23] = [
         ("--r-max", request.r_max.map(number), pairs),
         ("--bins", request.bins.map(|b| b.to_string()), pairs),
@@ -232,8 +244,8 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--taper", request.taper.map(|t| t.to_string()), waves),
         ("--tapers", request.tapers.map(|n| n.to_string()), waves),
         ("--debias", request.debias.map(|d| d.to_string()), waves),
-        ("--convention", convention, waves),
-        ("--bug-compatible", request.bug_compatible.then(|| "(given)".into()), waves),
+        ("--convention", convention, of_convention),
+        ("--bug-compatible", request.bug_compatible.then(|| "(given)".into()), of_convention),
     ];
     for (flag, value, statistics) in settings {
         if let Some(value) = value.filter(|_| !statistics.iter().any(|s| request.stats.contains(s))) {
@@ -373,8 +385,52 @@ fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
     LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
 }
 
+/// Whether the program of a convention could have done what is asked for.
+pub(super) fn check_convention(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<()> {
+    request.convention.check(domain, request.bug_compatible)?;
+    if request.convention == Convention::Ours {
+        return Ok(());
+    }
+    let name = request.convention.to_string();
+    if (shape.max_points as f64) > shape.mean_points {
+        let reason = format!(
+            "needs as many points in every realization; they have {} on average and up to {}",
+            number(shape.mean_points),
+            shape.max_points
+        );
+        return Err(Error::setting("--convention", name, reason));
+    }
+    let theirs = request.convention.pair_bins(shape.max_points).is_some() && request.stats.contains(&Statistic::Pcf);
+    let refused = [
+        ("--weight-column", request.input.weight_column.is_some(), "has no weights of points"),
+        ("--frequencies", request.frequencies.is_some(), "has a grid of its own"),
+        ("--ring-directions", request.ring_directions.is_some(), "takes every wave vector of a ring"),
+        ("--r-max", theirs && request.r_max.is_some(), "has bins of its own"),
+        ("--bins", theirs && request.bins.is_some(), "has bins of its own"),
+        ("--bin-scale", theirs && request.bin_scale.is_some(), "has bins of its own"),
+        ("--edges", theirs && request.edges.is_some(), "has bins of its own"),
+        ("--beyond-half", theirs && request.beyond_half, "has bins of its own"),
+        ("--kernel", theirs && request.kernel.is_some(), "has no smoothed g"),
+        ("--normalization", theirs && request.normalization != Normalization::Pairs, "divides by n(n-1)"),
+    ];
+    match refused.iter().find(|(_, given, _)| *given) {
+        Some((flag, _, why)) => Err(Error::setting("--convention", &name, format!("{why}; leave out {flag}"))),
+        None => Ok(()),
+    }
+}
+
 /// The bins a request asks for.
 fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBins> {
+    if let Some((bins, distances)) = request.convention.pair_bins(mean_points as u64) {
+        let r_max = distances * domain.closest_packing_distance(mean_points);
+        if bins == 0 {
+            let reason = "has n/8 bins of g, so that it needs at least 8 points";
+            return Err(Error::setting("--convention", request.convention, reason));
+        }
+        // Beyond half the diagonal of a torus there are no pairs.
+        let edges = (0..=bins).map(|k| r_max * (k as f64 / bins as f64));
+        return RadialBins::from_edges(edges.take_while(|&r| r <= domain.half_diagonal()).collect());
+    }
     if let Some(path) = &request.edges {
         // What is wrong with them is wrong in that file.
         return RadialBins::from_edges(read_edges(path)?).map_err(|e| blame_edges(e, path));

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, EnsembleShape, Rings, WaveVectors};
+use super::{Accuracy, Batch, Convention, EnsembleShape, Rings, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
@@ -27,6 +27,10 @@ pub struct WavePlan {
     pub waves: WaveVectors,
     /// Their rings.
     pub rings: Rings,
+    /// Whose rings they are.
+    pub convention: Convention,
+    /// Whether the defects of that program are wanted too.
+    pub bug_compatible: bool,
     /// The promise to keep.
     pub accuracy: Accuracy,
     /// How it is kept.
@@ -58,7 +62,17 @@ impl WavePlan {
             (WaveVectors::Grid(_), Accuracy::Fast) => WaveRoad::DirectF32,
             _ => WaveRoad::DirectF64,
         };
-        Ok(Self { domain: domain.clone(), waves, rings, accuracy, road, shape, batch })
+        Ok(Self {
+            domain: domain.clone(),
+            waves,
+            rings,
+            convention: Convention::Ours,
+            bug_compatible: false,
+            accuracy,
+            road,
+            shape,
+            batch,
+        })
     }
 
     /// Floating-point operations of the matrix products: 8 per point, row and column.

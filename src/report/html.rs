@@ -13,7 +13,7 @@ use super::vector_image::VectorImage;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{ErrorSource, Normalization, VectorCorrelation};
-use crate::plan::Correction;
+use crate::plan::{Convention, Correction};
 
 /// The pictures of one report, as far as there are any.
 #[derive(Default)]
@@ -302,10 +302,13 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         |∑<sub><i>j</i></sub> exp(−2π<i>i</i> <b>m</b>·<b>x</b><sub><i>j</i></sub>/<i>L</i>)|<sup>2</sup> / \
         ∑<sub><i>k</i></sub> <i>n<sub>k</sub></i>";
     if let Some(svg) = &pictures.spectrum_radial {
-        let caption = format!(
-            "{definition}, averaged over the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency \
-             left out; 1 is the level of independent points."
-        );
+        let rings = match a.convention {
+            Convention::Ours => {
+                "the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency left out".into()
+            }
+            other => format!("the rings of {other} (<i>ν</i> in {})", other.labels()),
+        };
+        let caption = format!("{definition}, averaged over {rings}; 1 is the level of independent points.");
         figure(html, svg, &caption);
     }
     if let Some(svg) = &pictures.anisotropy {

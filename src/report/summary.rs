@@ -6,7 +6,7 @@ use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization};
-use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound, WaveGrid};
+use crate::plan::{Convention, Correction, Divisor, Kernel, KernelRoad, PowerBound, WaveGrid};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -35,6 +35,7 @@ struct Summary<'a> {
     vector_correlation: Option<VectorOut>,
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
+    convention: Option<ConventionOut>,
     neighbors: Option<NeighborsOut>,
     duplicates: u64,
     closed_form: Option<&'a str>,
@@ -153,6 +154,17 @@ struct RadialOut {
     rings: usize,
     errors: ErrorSource,
     anisotropy_reference_db: f64,
+}
+
+/// Whose numbers these are, where not ours.
+#[derive(Serialize)]
+struct ConventionOut {
+    name: Convention,
+    bug_compatible: bool,
+    /// What `nu_lo`, `nu` and `nu_hi` are.
+    spectrum_radial: &'static str,
+    /// What `r` of `pcf.csv` is.
+    pcf: &'static str,
 }
 
 #[derive(Serialize)]
@@ -284,6 +296,12 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             errors: r.errors,
             // -10 log10 1 is -0.
             anisotropy_reference_db: r.anisotropy_reference_db + 0.0,
+        }),
+        convention: (a.convention != Convention::Ours).then(|| ConventionOut {
+            name: a.convention,
+            bug_compatible: a.bug_compatible,
+            spectrum_radial: a.convention.labels(),
+            pcf: a.convention.pair_labels(),
         }),
         neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
             distances: n.distances,
