@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use common::*;
 use pairwave::compute::gpu::params::{Access, StructLayout, struct_layouts};
 use pairwave::compute::gpu::{KernelSpec, cell_kernels, lag_kernel, pair_kernel, probe_kernel, wave_kernels};
-use pairwave::plan::WaveGrid;
+use pairwave::plan::{Accuracy, WaveGrid};
 
 fn specs() -> Vec<KernelSpec> {
     let mut specs = vec![probe_kernel()];
@@ -17,7 +17,9 @@ fn specs() -> Vec<KernelSpec> {
         specs.extend(cell_kernels(&case.plan, 32 << 10));
     }
     specs.extend(lag_cases(20).iter().map(|case| lag_kernel(&case.plan, 32 << 10)));
-    specs.extend(wave_kernels(&WaveGrid::new(&[4, 4]).unwrap()));
+    for (accuracy, weighted) in [(Accuracy::Fast, false), (Accuracy::Fast, true), (Accuracy::High, true)] {
+        specs.extend(wave_kernels(&WaveGrid::new(&[4, 4]).unwrap(), accuracy, weighted));
+    }
     specs
 }
 

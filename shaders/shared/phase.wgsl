@@ -1,19 +1,29 @@
-// Phases in turns, as 32-bit fractions, and their cosine and sine.
+// Phases in turns, as 32-bit fractions, and their cosine and sine in f32. phase_f64 is the same in f64.
+
+alias Real = f32;
+alias Real4 = vec4<f32>;
+alias Phase = vec4<u32>;
 
 struct CosSin {
-    cos: vec4<f32>,
-    sin: vec4<f32>,
+    cos: Real4,
+    sin: Real4,
 }
 
-// m x mod 1 in steps of 2^-32 turns, where x = (high + low) 2^-32, low in [0, 1]. The first term is exact; the second is at
-// most |m| and is rounded to a step, so the error is below 1.2 steps for |m| <= 2^22.
-fn phase_turns(m: vec4<i32>, high: u32, low: f32) -> vec4<u32> {
-    return bitcast<vec4<u32>>(m) * high + bitcast<vec4<u32>>(vec4<i32>(round(vec4<f32>(m) * low)));
+// m x mod 1 in steps of 2^-32 turns, where x = (x.x 2^-32 + x.y) 2^-32. The upper word's part is exact; the lower's is at
+// most |m| and is rounded to a step (adding 1.5 * 2^23 leaves an integer in the low bits), so the error is below 1.2 steps
+// for |m| < 2^22.
+fn phase_turns(m: vec4<i32>, x: vec2<u32>) -> Phase {
+    let carry = vec4<f32>(m) * (f32(x.x) * 2.3283064365386963e-10) + vec4<f32>(12582912.0);
+    return bitcast<vec4<u32>>(m) * x.y + bitcast<vec4<u32>>(carry) - vec4<u32>(0x4b400000u);
+}
+
+fn phase_sum(a: Phase, b: Phase) -> Phase {
+    return a + b;
 }
 
 // Reduced to the nearest quarter turn, |angle| <= pi/4; minimax polynomials of Cephes (sinf, cosf). Absolute error at most
 // 1.2e-7, rms 2.3e-8.
-fn phase_cos_sin(phase: vec4<u32>) -> CosSin {
+fn phase_cos_sin(phase: Phase) -> CosSin {
     let quarter = (phase + vec4<u32>(0x20000000u)) >> vec4<u32>(30u);
     let angle = vec4<f32>(bitcast<vec4<i32>>(phase - (quarter << vec4<u32>(30u)))) * 1.4629180792671596e-9;
     let a2 = angle * angle;

@@ -252,7 +252,9 @@ pub fn run(
     let vector = vector_of(&plan.lags, &sums.lags).map(|v| VectorCorrelation { sectors: rings, ..v });
     let spectrum = plan.waves.as_ref().zip(sums.waves.as_ref()).map(|(plan, sums)| PowerSpectrum::new(plan, sums));
     let radial = match (&plan.waves, &sums.waves, &spectrum) {
-        (Some(plan), Some(sums), Some(spectrum)) => Some(RadialSpectrum::new(plan, sums, spectrum)),
+        (Some(plan), Some(sums), Some(spectrum)) if request.frequencies.is_none() => {
+            Some(RadialSpectrum::new(plan, sums, spectrum))
+        }
         _ => None,
     };
     let closed_form = match request.convention {

@@ -9,10 +9,10 @@ use crate::error::{Error, Result, number, numbers};
 use crate::estimate::Normalization;
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan,
-    LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WavePlan,
+    LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WaveList, WavePlan, WaveVectors,
 };
 use crate::points::Domain;
-use crate::points::read::read_edges;
+use crate::points::read::{read_edges, read_frequencies};
 use crate::request::{Request, Statistic};
 use crate::source::Source;
 
@@ -119,7 +119,12 @@ impl Plan {
                 (None, Some(f)) => vec![f; domain.dim()],
                 (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain),
             };
-            let plan = WavePlan::new(domain, WaveGrid::new(&frequencies)?, request.accuracy, shape)?;
+            let waves = match (&request.frequencies, request.ring_directions) {
+                (Some(path), _) => read_frequencies(path, domain)?.into(),
+                (None, Some(n)) => WaveList::ring_directions(domain, &frequencies, n)?.into(),
+                (None, None) => WaveVectors::from(WaveGrid::new(&frequencies)?),
+            };
+            let plan = WavePlan::new(domain, waves, request.accuracy, shape)?;
             Some(plan.with_convention(request.convention, request.bug_compatible)?)
         } else {
             None
@@ -256,6 +261,15 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
             };
             return Err(Error::setting(flag, value, format!("needs {names} among --stats")));
         }
+    }
+    if let Some(path) = request.frequencies.as_ref().filter(|_| request.stats.contains(&Radial)) {
+        let reason = "a list of wave vectors has no rings; expected --stats spectrum without radial";
+        return Err(Error::setting("--frequencies", path.display(), reason));
+    }
+    if let Some(n) = request.ring_directions.filter(|_| request.stats.contains(&Spectrum)) {
+        let reason =
+            "leaves wave vectors out, which --stats spectrum asks for; expected --stats radial without spectrum";
+        return Err(Error::setting("--ring-directions", n, reason));
     }
     Ok(())
 }

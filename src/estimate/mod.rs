@@ -4,6 +4,7 @@ mod cross_correlation;
 mod cross_validation;
 mod envelope;
 mod k_function;
+mod mode_band;
 mod neighbors;
 mod pair_correlation;
 mod pair_kernel;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, Convention, EnsembleShape, Rings, WaveVectors};
+use super::{Accuracy, Batch, Convention, EnsembleShape, RING_DIRECTIONS_RULE, Rings, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
@@ -31,6 +31,8 @@ pub struct WavePlan {
     pub convention: Convention,
     /// Whether the defects of that program are wanted too.
     pub bug_compatible: bool,
+    /// Whether only the rings are wanted: modes in none may be left out, and their sums are 0.
+    pub rings_only: bool,
     /// The promise to keep.
     pub accuracy: Accuracy,
     /// How it is kept.
@@ -68,11 +70,17 @@ impl WavePlan {
             rings,
             convention: Convention::Ours,
             bug_compatible: false,
+            rings_only: false,
             accuracy,
             road,
             shape,
             batch,
         })
+    }
+
+    /// The ring of every stored mode (0 for none), where modes in none may be left out.
+    pub fn needed(&self) -> Option<&[u32]> {
+        self.rings_only.then_some(&self.rings.ring_of)
     }
 
     /// Floating-point operations of the matrix products: 8 per point, row and column.
@@ -96,6 +104,7 @@ impl fmt::Display for WavePlan {
                 let axes: Vec<_> = grid.max_frequency()[..grid.dim()].iter().map(u32::to_string).collect();
                 format!("|m| <= {}", axes.join(", "))
             }
+            WaveVectors::List(list) if list.mirrored => format!("{} pairs of wave vectors", list.vectors.len()),
             WaveVectors::List(list) => format!("{} wave vectors", list.vectors.len()),
         };
         writeln!(f, "wave_power: {waves}, {} rings, {:.3e} flop", self.rings.count, self.flop())?;
@@ -105,6 +114,9 @@ impl fmt::Display for WavePlan {
             self.accuracy.name()
         )?;
         writeln!(f, "  {}", self.batch)?;
+        if matches!(&self.waves, WaveVectors::List(list) if list.mirrored) {
+            writeln!(f, "  {RING_DIRECTIONS_RULE}")?;
+        }
         if let Some(grid) = self.waves.grid() {
             writeln!(f, "  skipped: {} modes that are mirror images", grid.full_len() - grid.half_len())?;
         }

@@ -25,26 +25,25 @@ pub struct Rings {
 
 impl Rings {
     /// Ring `k` (1-based) holds the modes with `nu / nu_1` in `[k - 1/2, k + 1/2)`, where `nu = |m / L|` and
-    /// `nu_1 = 1 / max L`; only rings that lie whole inside the grid. DC is in none, and a list has none.
+    /// `nu_1 = 1 / max L`; only rings that lie whole inside the grid. DC is in none. A list has none, unless it was made for
+    /// rings (`WaveList::ring_directions`): then their members are those listed.
     pub fn new(waves: &WaveVectors, domain: &Domain) -> Self {
         let longest = domain.sides().iter().copied().fold(0.0, f64::max);
         let fundamental = 1.0 / longest;
-        let Some(grid) = waves.grid() else { return Self::none(fundamental, waves.len()) };
-        let ratios: Vec<f64> = domain.sides().iter().map(|s| longest / s).collect();
-        let count = whole_rings(grid, &ratios);
-        let ring = |index: usize| {
-            let m = grid.mode(index);
-            let squared: f64 = (0..grid.dim()).map(|k| (f64::from(m[k]) * ratios[k]).powi(2)).sum();
-            // |m| is never exactly a half integer for integer m (4|m|^2 is even), so rounding is safe on a cube.
-            (squared.sqrt() + 0.5).floor() as usize
+        let ratios = side_ratios(domain);
+        let ring = |index: usize| ring_number(waves.vector(index).map(|m| m as i32), &ratios);
+        let count = match waves {
+            WaveVectors::Grid(grid) => whole_rings(&grid.max_frequency()[..grid.dim()], &ratios),
+            WaveVectors::List(list) if list.mirrored => (0..waves.len()).map(ring).max().unwrap_or(0),
+            WaveVectors::List(_) => return Self::none(fundamental, waves.len()),
         };
-        let ring_of: Vec<u32> = (0..grid.half_len())
+        let ring_of: Vec<u32> = (0..waves.len())
             .map(|index| match ring(index) {
                 ring if ring <= count => ring as u32,
                 _ => 0,
             })
             .collect();
-        let times: Vec<u8> = (0..ring_of.len()).map(|index| grid.multiplicity(index) as u8).collect();
+        let times: Vec<u8> = (0..ring_of.len()).map(|index| waves.multiplicity(index) as u8).collect();
         let mut modes = vec![0; count];
         for (&ring, &times) in ring_of.iter().zip(&times).filter(|(ring, _)| **ring > 0) {
             modes[ring as usize - 1] += u64::from(times);
@@ -99,8 +98,21 @@ impl Rings {
     }
 }
 
+/// How much wider the lattice of wave vectors is along each axis than along the axis of the longest side.
+pub(super) fn side_ratios(domain: &Domain) -> Vec<f64> {
+    let longest = domain.sides().iter().copied().fold(0.0, f64::max);
+    domain.sides().iter().map(|s| longest / s).collect()
+}
+
+/// The ring that `m` lies in; 0 for DC.
+pub(super) fn ring_number(m: [i32; 3], ratios: &[f64]) -> usize {
+    let squared: f64 = m.into_iter().zip(ratios).map(|(m, ratio)| (f64::from(m) * ratio).powi(2)).sum();
+    // |m| is never exactly a half integer for integer m (4|m|^2 is even), so rounding is safe on a cube.
+    (squared.sqrt() + 0.5).floor() as usize
+}
+
 /// Ring k is whole if every mode just outside the grid lies at or beyond its upper end k + 1/2.
-fn whole_rings(grid: &WaveGrid, ratios: &[f64]) -> usize {
-    let outside = grid.max_frequency().into_iter().zip(ratios).map(|(f, ratio)| f64::from(f + 1) * ratio);
+pub(super) fn whole_rings(max_frequency: &[u32], ratios: &[f64]) -> usize {
+    let outside = max_frequency.iter().zip(ratios).map(|(&f, ratio)| (f64::from(f) + 1.0) * ratio);
     (outside.fold(f64::INFINITY, f64::min) - 0.5).floor() as usize
 }

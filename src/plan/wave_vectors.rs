@@ -1,6 +1,7 @@
 //! The wave vectors of a spectrum: a grid, or a list.
 
 use super::WaveGrid;
+use crate::error::{Error, Result};
 
 /// The wave vectors of a spectrum, in cycles per side of the domain along each axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,30 @@ pub struct WaveList {
     pub vectors: Vec<[f64; 3]>,
     /// Whether each also stands for its mirror image.
     pub mirrored: bool,
+}
+
+/// Bytes that a listed wave vector takes in plans, sums, estimates and tables.
+const BYTES_PER_VECTOR: u128 = 256;
+
+/// Lists that would take more than that are refused: 16 GiB.
+const MOST_BYTES: u128 = 1 << 34;
+
+impl WaveList {
+    /// Whether there is memory for it. `flag` and `value` are where it comes from.
+    pub(crate) fn check_size(&self, flag: &'static str, value: impl ToString) -> Result<()> {
+        check_vectors(self.vectors.len() as u128, flag, value)
+    }
+}
+
+/// Whether there is memory for so many wave vectors.
+pub(super) fn check_vectors(vectors: u128, flag: &'static str, value: impl ToString) -> Result<()> {
+    let bytes = vectors * BYTES_PER_VECTOR;
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let most = MOST_BYTES / BYTES_PER_VECTOR;
+    let reason = format!("{vectors} wave vectors take {bytes} bytes; expected at most {most} ({MOST_BYTES} bytes)");
+    Err(Error::setting(flag, value, reason))
 }
 
 impl WaveVectors {

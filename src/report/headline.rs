@@ -26,6 +26,9 @@ pub fn headline(a: &Analysis) -> String {
         let bins = vec![vector.grid.bins.to_string(); vector.grid.dim()].join(" x ");
         lines.push(format!("g(h): {bins} cells of lags, {pairs} ordered pairs"));
     }
+    if let Some(spectrum) = a.spectrum.as_ref().filter(|s| a.grid_wanted && s.waves.grid().is_none()) {
+        lines.push(format!("P(ν): {} wave vectors of a list", spectrum.p.len()));
+    }
     if let Some(radial) = &a.radial {
         let first = radial.rings.first().map_or(String::new(), |ring| {
             let error = Some(ring.p_se);

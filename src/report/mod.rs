@@ -36,6 +36,7 @@ const FILES: &[&str] = &[
     "k_function.csv",
     "envelope.csv",
     "spectrum_radial.csv",
+    "spectrum_list.csv",
     "neighbor_functions.csv",
     "spectrum.npy",
     "spectrum_se.npy",
@@ -195,6 +196,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
+    files.add("spectrum_list.csv", table::spectrum_list(analysis).map(|t| t.csv()));
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
     let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
     if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {

@@ -6,7 +6,9 @@ use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization};
-use crate::plan::{Convention, Correction, Divisor, Kernel, KernelRoad, PowerBound, WaveGrid};
+use crate::plan::{
+    Convention, Correction, Divisor, Kernel, KernelRoad, PowerBound, RING_DIRECTIONS_RULE, WaveGrid, WaveVectors,
+};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -152,6 +154,10 @@ struct SpectrumOut {
 #[derive(Serialize)]
 struct RadialOut {
     rings: usize,
+    /// Wave vectors of all rings, opposite ones counted both.
+    modes: u64,
+    /// Which wave vectors of a ring were taken.
+    directions: &'static str,
     errors: ErrorSource,
     anisotropy_reference_db: f64,
 }
@@ -293,6 +299,11 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
         }),
         radial: a.radial.as_ref().map(|r| RadialOut {
             rings: r.rings.len(),
+            modes: r.rings.iter().map(|ring| ring.modes).sum(),
+            directions: match a.spectrum.as_ref().map(|s| &s.waves) {
+                Some(WaveVectors::List(_)) => RING_DIRECTIONS_RULE,
+                _ => "all",
+            },
             errors: r.errors,
             // -10 log10 1 is -0.
             anisotropy_reference_db: r.anisotropy_reference_db + 0.0,

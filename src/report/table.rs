@@ -161,6 +161,35 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
     )
 }
 
+/// `spectrum_list.csv`: the wave vectors of a list in its order, m in cycles per side, nu in cycles per unit length, P
+/// dimensionless with its 95 % band.
+pub(super) fn spectrum_list(analysis: &Analysis) -> Option<Table> {
+    let spectrum = analysis.spectrum.as_ref().filter(|s| analysis.grid_wanted && s.waves.grid().is_none())?;
+    let sides = analysis.domain.sides();
+    let vectors = || (0..spectrum.p.len()).map(|k| spectrum.waves.vector(k));
+    let mut table = Table::new();
+    for (axis, name) in ["m_x", "m_y", "m_z"].into_iter().enumerate().take(sides.len()) {
+        table = if analysis.domain.is_torus() {
+            table.text(name, vectors().map(|m| (m[axis] as i64).to_string()))
+        } else {
+            table.floats(name, vectors().map(|m| m[axis]))
+        };
+    }
+    for (axis, name) in ["nu_x", "nu_y", "nu_z"].into_iter().enumerate().take(sides.len()) {
+        table = table.floats(name, vectors().map(|m| m[axis] / sides[axis]));
+    }
+    let length = |m: [f64; 3]| sides.iter().zip(m).map(|(side, m)| (m / side).powi(2)).sum::<f64>().sqrt();
+    let bands = spectrum.bands(analysis.shape.realizations);
+    Some(
+        table
+            .floats("nu", vectors().map(length))
+            .floats("p", spectrum.p.iter().copied())
+            .floats("p_se", spectrum.p_se.iter().copied())
+            .optional("p_lo", bands.iter().map(|b| Some(b.as_ref()?[0])))
+            .optional("p_hi", bands.iter().map(|b| Some(b.as_ref()?[1]))),
+    )
+}
+
 /// `neighbor_functions.csv`: r in the domain's length unit, the rest dimensionless.
 pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Table> {
     let functions = &analysis.neighbors.as_ref()?.functions;

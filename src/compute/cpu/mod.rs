@@ -12,6 +12,8 @@ mod phase_tables;
 mod product;
 mod simd;
 mod wave_power;
+mod wave_product;
+mod wave_terms;
 
 pub use simd::{SimdLevel, fma_gflop};
 

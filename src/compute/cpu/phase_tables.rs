@@ -4,8 +4,8 @@
 //! quadrant, the others an angle in [-pi/4, pi/4), for which short polynomials do (coefficients of sinf.c and cosf.c of
 //! Cephes, S. Moshier, 1989, and of k_sin.c and k_cos.c of fdlibm, Sun Microsystems, 1993).
 
-/// Frequencies a kernel makes at a time.
-const GROUP: usize = 8;
+/// Frequencies a kernel makes at a time. Their cosines come first in a table, then their sines, then the next group.
+pub(super) const GROUP: usize = 8;
 
 /// One axis of a list of integer vectors.
 #[derive(Debug, Clone)]
@@ -43,10 +43,15 @@ impl Table {
         self.len
     }
 
-    /// Values per point that `fill` may write: all cosines, all sines, and what a last group writes beyond.
+    /// Values per point: cosines and sines of whole groups.
     pub(super) fn width(&self) -> usize {
-        self.len + self.len.next_multiple_of(GROUP)
+        2 * self.len.next_multiple_of(GROUP)
     }
+}
+
+/// Where a table holds the cosine of vector `k`; its sine is `GROUP` further.
+pub(super) const fn place(k: usize) -> usize {
+    k / GROUP * 2 * GROUP + k % GROUP
 }
 
 /// `a * b + c`, fused where the processor can (elsewhere `mul_add` is a slow library call).
@@ -76,7 +81,7 @@ fn turn_f32<const FMA: bool>(phase: u32) -> (f32, f32) {
 }
 
 #[inline(always)]
-fn turn_f64<const FMA: bool>(phase: u64) -> (f64, f64) {
+pub(super) fn turn_f64<const FMA: bool>(phase: u64) -> (f64, f64) {
     let quadrant = phase.wrapping_add(1 << 61) >> 62;
     let angle = phase.wrapping_sub(quadrant << 62) as i64 as f64;
     // 2 pi / 2^64
@@ -106,31 +111,29 @@ fn turn_f64<const FMA: bool>(phase: u64) -> (f64, f64) {
 pub(super) mod fill {
     use super::{GROUP, Panel, Table, Term, turn_f32, turn_f64};
 
-    /// Writes `out[p * stride ..]`: the cosines of all vectors at point `p`, then their sines.
+    /// Writes `out[p * stride ..]`: cosines and sines of all vectors at point `p`, group by group.
     #[inline(always)]
     pub(in super::super) fn f32<const FMA: bool>(table: &Table, panel: &Panel<'_>, out: &mut [f32], stride: usize) {
         match table.terms.as_slice() {
             [] => {}
-            [a] => f32_terms::<FMA, 1>(table.len, [a], panel, out, stride),
-            [a, b, ..] => f32_terms::<FMA, 2>(table.len, [a, b], panel, out, stride),
+            [a] => f32_terms::<FMA, 1>([a], panel, out, stride),
+            [a, b, ..] => f32_terms::<FMA, 2>([a, b], panel, out, stride),
         }
     }
 
     #[inline(always)]
     fn f32_terms<const FMA: bool, const T: usize>(
-        len: usize,
         terms: [&Term; T],
         panel: &Panel<'_>,
         out: &mut [f32],
         stride: usize,
     ) {
-        let groups = len.div_ceil(GROUP);
+        let groups = terms[0].m.len();
         for (p, row) in out.chunks_exact_mut(stride).take(panel.axes[0].len()).enumerate() {
             let x: [u64; T] = std::array::from_fn(|t| panel.axes[terms[t].axis][p]);
             let high = x.map(|x| (x >> 32) as u32);
             let low = x.map(|x| x as u32 as f32 * 2f32.powi(-32));
-            // Downwards, since the last group of cosines reaches into the first of the sines.
-            for group in (0..groups).rev() {
+            for group in 0..groups {
                 let mut phases = [0u32; GROUP];
                 for t in 0..T {
                     let m = &terms[t].m[group];
@@ -145,8 +148,9 @@ pub(super) mod fill {
                 for ((c, s), &phase) in c.iter_mut().zip(&mut s).zip(&phases) {
                     (*c, *s) = turn_f32::<FMA>(phase);
                 }
-                row[group * GROUP..][..GROUP].copy_from_slice(&c);
-                row[len + group * GROUP..][..GROUP].copy_from_slice(&s);
+                let row = &mut row[2 * group * GROUP..][..2 * GROUP];
+                row[..GROUP].copy_from_slice(&c);
+                row[GROUP..].copy_from_slice(&s);
             }
         }
     }
@@ -156,23 +160,22 @@ pub(super) mod fill {
     pub(in super::super) fn f64<const FMA: bool>(table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: usize) {
         match table.terms.as_slice() {
             [] => {}
-            [a] => f64_terms::<FMA, 1>(table.len, [a], panel, out, stride),
-            [a, b, ..] => f64_terms::<FMA, 2>(table.len, [a, b], panel, out, stride),
+            [a] => f64_terms::<FMA, 1>([a], panel, out, stride),
+            [a, b, ..] => f64_terms::<FMA, 2>([a, b], panel, out, stride),
         }
     }
 
     #[inline(always)]
     fn f64_terms<const FMA: bool, const T: usize>(
-        len: usize,
         terms: [&Term; T],
         panel: &Panel<'_>,
         out: &mut [f64],
         stride: usize,
     ) {
-        let groups = len.div_ceil(GROUP);
+        let groups = terms[0].m.len();
         for (p, row) in out.chunks_exact_mut(stride).take(panel.axes[0].len()).enumerate() {
             let x: [u64; T] = std::array::from_fn(|t| panel.axes[terms[t].axis][p]);
-            for group in (0..groups).rev() {
+            for group in 0..groups {
                 let mut phases = [0u64; GROUP];
                 for t in 0..T {
                     for (phase, &m) in phases.iter_mut().zip(&terms[t].m[group]) {
@@ -183,10 +186,59 @@ pub(super) mod fill {
                 for ((c, s), &phase) in c.iter_mut().zip(&mut s).zip(&phases) {
                     (*c, *s) = turn_f64::<FMA>(phase);
                 }
-                row[group * GROUP..][..GROUP].copy_from_slice(&c);
-                row[len + group * GROUP..][..GROUP].copy_from_slice(&s);
+                let row = &mut row[2 * group * GROUP..][..2 * GROUP];
+                row[..GROUP].copy_from_slice(&c);
+                row[GROUP..].copy_from_slice(&s);
             }
         }
+    }
+
+    /// `sums[c]`: the sum over points `p` of `weights[p] table[p * stride + c]`, in the order of points.
+    #[inline(always)]
+    pub(in super::super) fn sums_f32<const FMA: bool>(table: &[f32], stride: usize, weights: &[f32], sums: &mut [f32]) {
+        let mut done = 0;
+        for sums in sums.chunks_exact_mut(8 * GROUP) {
+            columns::<f32, { 8 * GROUP }>(&table[done..], stride, weights, sums, mul_add_f32::<FMA>);
+            done += 8 * GROUP;
+        }
+        for (sums, first) in sums[done..].chunks_exact_mut(2 * GROUP).zip((done..).step_by(2 * GROUP)) {
+            columns::<f32, { 2 * GROUP }>(&table[first..], stride, weights, sums, mul_add_f32::<FMA>);
+        }
+    }
+
+    /// The same in f64.
+    #[inline(always)]
+    pub(in super::super) fn sums_f64<const FMA: bool>(table: &[f64], stride: usize, weights: &[f64], sums: &mut [f64]) {
+        for (sums, first) in sums.chunks_exact_mut(2 * GROUP).zip((0..).step_by(2 * GROUP)) {
+            columns::<f64, { 2 * GROUP }>(&table[first..], stride, weights, sums, mul_add_f64::<FMA>);
+        }
+    }
+
+    #[inline(always)]
+    fn columns<T: Copy + Default, const N: usize>(
+        table: &[T],
+        stride: usize,
+        weights: &[T],
+        out: &mut [T],
+        mul_add: impl Fn(T, T, T) -> T,
+    ) {
+        let mut sums = [T::default(); N];
+        for (p, &weight) in weights.iter().enumerate() {
+            for (sum, &value) in sums.iter_mut().zip(&table[p * stride..][..N]) {
+                *sum = mul_add(value, weight, *sum);
+            }
+        }
+        out.copy_from_slice(&sums);
+    }
+
+    #[inline(always)]
+    fn mul_add_f32<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
+        fma!(a, b, c)
+    }
+
+    #[inline(always)]
+    fn mul_add_f64<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
+        fma!(a, b, c)
     }
 }
 

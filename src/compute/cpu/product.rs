@@ -8,11 +8,6 @@ use gemm::{Parallelism, gemm};
 pub(super) const FEWEST_POINTS: usize = 3;
 const MOST_POINTS: usize = 512;
 
-/// Columns of a product come in multiples of this: whole vectors, so that `gemm` reads tables where they are.
-pub(super) const fn lanes<T>() -> usize {
-    64 / size_of::<T>()
-}
-
 /// What `gemm` multiplies here; it panics for other types than its own.
 pub(super) trait Element: Copy + 'static {
     const ONE: Self;

@@ -6,6 +6,8 @@
 use std::arch::x86_64::*;
 
 use super::phase_tables::{Panel, Table, fill};
+use super::wave_power::Points;
+use super::wave_terms::{LANES, Vector, terms};
 
 /// Instruction sets with kernels of their own, in rising order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -41,54 +43,45 @@ impl SimdLevel {
     }
 }
 
-/// Fills a table in f32.
-pub(super) fn fill_f32(level: SimdLevel, table: &Table, panel: &Panel<'_>, out: &mut [f32], stride: usize) {
-    match level {
-        // SAFETY: the level was detected.
-        #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx512 => unsafe { fill_f32_avx512(table, panel, out, stride) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx2 => unsafe { fill_f32_avx2(table, panel, out, stride) },
-        _ => fill::f32::<false>(table, panel, out, stride),
-    }
+/// Functions that run `$body` as compiled for the level, with fused multiply-adds where the processor has them.
+macro_rules! by_level {
+    ($($(#[$doc:meta])* $name:ident = $($body:ident)::+($($arg:ident: $type:ty),*);)*) => {$(
+        $(#[$doc])*
+        pub(super) fn $name(level: SimdLevel, $($arg: $type),*) {
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+            fn avx512($($arg: $type),*) {
+                $($body)::+::<true>($($arg),*);
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2,fma")]
+            fn avx2($($arg: $type),*) {
+                $($body)::+::<true>($($arg),*);
+            }
+            match level {
+                // SAFETY: the level was detected.
+                #[cfg(target_arch = "x86_64")]
+                SimdLevel::Avx512 => unsafe { avx512($($arg),*) },
+                // SAFETY: as above.
+                #[cfg(target_arch = "x86_64")]
+                SimdLevel::Avx2 => unsafe { avx2($($arg),*) },
+                _ => $($body)::+::<false>($($arg),*),
+            }
+        }
+    )*};
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn fill_f32_avx512(table: &Table, panel: &Panel<'_>, out: &mut [f32], stride: usize) {
-    fill::f32::<true>(table, panel, out, stride);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn fill_f32_avx2(table: &Table, panel: &Panel<'_>, out: &mut [f32], stride: usize) {
-    fill::f32::<true>(table, panel, out, stride);
-}
-
-/// Fills a table in f64.
-pub(super) fn fill_f64(level: SimdLevel, table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: usize) {
-    match level {
-        // SAFETY: the level was detected.
-        #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx512 => unsafe { fill_f64_avx512(table, panel, out, stride) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx2 => unsafe { fill_f64_avx2(table, panel, out, stride) },
-        _ => fill::f64::<false>(table, panel, out, stride),
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn fill_f64_avx512(table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: usize) {
-    fill::f64::<true>(table, panel, out, stride);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn fill_f64_avx2(table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: usize) {
-    fill::f64::<true>(table, panel, out, stride);
+by_level! {
+    /// Fills a table in f32.
+    fill_f32 = fill::f32(table: &Table, panel: &Panel<'_>, out: &mut [f32], stride: usize);
+    /// Fills a table in f64.
+    fill_f64 = fill::f64(table: &Table, panel: &Panel<'_>, out: &mut [f64], stride: usize);
+    /// Writes the sums of a table's columns over points, times a weight per point.
+    table_sums_f32 = fill::sums_f32(table: &[f32], stride: usize, weights: &[f32], sums: &mut [f32]);
+    /// The same in f64.
+    table_sums_f64 = fill::sums_f64(table: &[f64], stride: usize, weights: &[f64], sums: &mut [f64]);
+    /// Adds the terms of one wave vector at a chunk of points.
+    add_terms = terms::add(vector: &Vector, points: &Points<'_>, sums: &mut [[f64; LANES]; 2]);
 }
 
 /// `to += from`: the sums of a panel join those of all points.

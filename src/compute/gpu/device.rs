@@ -146,7 +146,8 @@ impl Gpu {
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("pairwave"),
-            required_features: wgpu::Features::empty(),
+            // What some kernels use and others do without.
+            required_features: adapter.features() & wgpu::Features::SHADER_F64,
             required_limits: limits.clone(),
             experimental_features: wgpu::ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::Performance,
@@ -165,6 +166,11 @@ impl Gpu {
         let seen = Arc::clone(&faults);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| *locked(&seen.uncaptured) = Some(e.to_string())));
         Ok(Self { device, queue, limits, summary, faults })
+    }
+
+    /// Whether kernels may compute in f64.
+    pub(super) fn has_f64(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SHADER_F64)
     }
 
     /// Adapter and driver, in words.

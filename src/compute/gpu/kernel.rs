@@ -45,8 +45,15 @@ shader_files! {
     CELL_COUNT = "cell_count.wgsl";
     CELL_SCATTER = "cell_scatter.wgsl";
     PHASE = "shared/phase.wgsl";
+    PHASE_F64 = "shared/phase_f64.wgsl";
     TWO_FLOAT = "shared/two_float.wgsl";
     WAVE_TYPES = "shared/wave_types.wgsl";
+    WAVE_UNWEIGHTED = "shared/wave_unweighted.wgsl";
+    WAVE_WEIGHTED = "shared/wave_weighted.wgsl";
+    WAVE_SETTLE = "shared/wave_settle.wgsl";
+    WAVE_SETTLE_F64 = "shared/wave_settle_f64.wgsl";
+    WAVE_TOTAL = "shared/wave_total.wgsl";
+    WAVE_TOTAL_F64 = "shared/wave_total_f64.wgsl";
     WAVE_POWER = "wave_power.wgsl";
     WAVE_POWER_FOLD = "wave_power_fold.wgsl";
     PROBE = "probe.wgsl";
@@ -71,11 +78,21 @@ impl KernelSpec {
         self.files.iter().map(|file| format!("// ---- {}\n{}\n", file.path, file.text)).collect()
     }
 
+    /// Whether it takes `SHADER_F64`, which is not WebGPU. Files that compute in f64 say so in their names.
+    pub fn uses_f64(&self) -> bool {
+        self.files.iter().any(|file| file.path.ends_with("_f64.wgsl"))
+    }
+
+    /// What naga is to allow beyond WebGPU.
+    pub fn capabilities(&self) -> naga::valid::Capabilities {
+        if self.uses_f64() { naga::valid::Capabilities::FLOAT64 } else { naga::valid::Capabilities::empty() }
+    }
+
     /// Bytes of workgroup memory with the numbers filled in. wgpu does not check this against the limit.
     pub fn workgroup_bytes(&self) -> Result<u32, String> {
         let module = naga::front::wgsl::parse_str(&self.source()).map_err(|e| e.emit_to_string(&self.source()))?;
         let flags = naga::valid::ValidationFlags::all();
-        let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
+        let mut validator = naga::valid::Validator::new(flags, self.capabilities());
         let info = validator.validate(&module).map_err(|e| e.emit_to_string(&self.source()))?;
         let constants = self.overrides.iter().map(|&(name, value)| (name.to_string(), f64::from(value))).collect();
         let main = Some((naga::ShaderStage::Compute, "main"));

@@ -1,4 +1,4 @@
-//! The GPU path, through wgpu: exact pair and lag counts, edge weights, and `fast` power spectra. The only folder that names
+//! The GPU path, through wgpu: exact pair and lag counts, edge weights, and power spectra. The only folder that names
 //! wgpu.
 //!
 //! Three layers from a call to the device: `GpuCompute::pair_counts` cuts the work into dispatches, `Kernel` binds and
@@ -27,7 +27,7 @@ pub use probe::{Check, Verdict};
 use super::{Backend, Compute, ComputedBy, Control};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::error::Result;
-use crate::plan::{LagPlan, PairPlan, PairSearch, SearchCosts, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, LagPlan, PairPlan, PairSearch, SearchCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -55,7 +55,7 @@ impl Tuning {
         Self {
             pairs_per_dispatch: if software { 1 << 26 } else { 1 << 31 },
             fma_per_dispatch: if software { 1 << 29 } else { 1 << 36 },
-            buffer_bytes: 64 << 20,
+            buffer_bytes: if software { 64 << 20 } else { 256 << 20 },
             fill: Fill::Zero,
             search: None,
         }
@@ -154,9 +154,9 @@ pub fn lag_kernel(plan: &LagPlan, workgroup_bytes: u32) -> KernelSpec {
     lag_counts::spec(plan, workgroup_bytes)
 }
 
-/// The kernels that compute the power on a grid.
-pub fn wave_kernels(grid: &WaveGrid) -> [KernelSpec; 2] {
-    [wave_power::spec(grid), wave_power::fold_spec()]
+/// The kernels that compute the power on a grid, of points with or without weights.
+pub fn wave_kernels(grid: &WaveGrid, accuracy: Accuracy, weighted: bool) -> [KernelSpec; 2] {
+    [wave_power::spec(grid, accuracy, weighted), wave_power::fold_spec(grid, accuracy)]
 }
 
 /// The kernel of the self-check.
@@ -170,7 +170,7 @@ impl Compute for GpuCompute {
     }
 
     fn supports_wave_power(&self, plan: &WavePlan) -> Result<(), String> {
-        wave_power::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+        wave_power::supports(plan, self.verdict.f64(), self.gpu.limits.max_storage_buffer_binding_size)
     }
 
     fn search_costs(&self) -> SearchCosts {
@@ -194,6 +194,7 @@ impl Compute for GpuCompute {
     }
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+        self.supports_wave_power(plan).map_err(|reason| self.gpu.error("wave_power", reason))?;
         wave_power::wave_power(self, plan, ensemble, control)
     }
 }

@@ -193,40 +193,32 @@ twins! {
         first_cell: u32,
     }
 
-    /// See `shaders/shared/wave_types.wgsl`: the tile of the grid at hand.
+    /// See `shaders/shared/wave_types.wgsl`: the part of the grid at hand.
     struct WaveParams {
-        /// First `m_0`.
+        /// The first `m_0` of the blocks at hand.
         first_row: u32,
-        /// Number of `m_0`.
-        rows: u32,
-        /// First column.
+        /// Their first column.
         first_column: u32,
-        /// Number of columns.
-        columns: u32,
-        /// Workgroup blocks over the rows.
+        /// Blocks over rows.
         row_blocks: u32,
-        /// Workgroup blocks over the columns.
+        /// Blocks over columns.
         column_blocks: u32,
-        /// The work item of workgroup 0.
-        first_job: u32,
-        /// Number of work items.
-        jobs: u32,
         /// Largest `|m_2|`.
         frequency_2: u32,
         /// Points in the buffers.
         total_points: u32,
+        /// The work item of workgroup 0.
+        first_job: u32,
+        /// Number of work items.
+        jobs: u32,
         /// A zero that the shader compiler does not know.
         zero: u32,
         /// Padding.
-        reserved: u32,
-    }
-
-    /// See `shaders/shared/wave_types.wgsl`: cos cos, sin sin, cos sin, sin cos.
-    struct WaveSums {
-        /// Rounded sums.
-        high: [f32; 4],
-        /// What the rounding left out.
-        low: [f32; 4],
+        reserved_0: u32,
+        /// Padding.
+        reserved_1: u32,
+        /// Padding.
+        reserved_2: u32,
     }
 
     /// See `shaders/shared/wave_types.wgsl`: points of a chunk, or chunks of a realization.
@@ -338,13 +330,25 @@ pub const CELL_SCATTER: &[Binding] = &[
 /// Bindings of `lag_counts`.
 pub const LAG_COUNTS: &[Binding] = PAIR_LINEAR;
 
-/// Bindings of `wave_power`.
-pub const WAVE_POWER: &[Binding] = &[
-    bound(0, "params", Access::Uniform),
-    bound(1, "chunks", Access::Read),
-    bound(2, "fractions", Access::Read),
-    bound(3, "sums", Access::ReadWrite),
-];
+macro_rules! wave_bindings {
+    ($($(#[$doc:meta])* $name:ident = $($extra:expr),*;)+) => {
+        $($(#[$doc])*
+        pub const $name: &[Binding] = &[
+            bound(0, "params", Access::Uniform),
+            bound(1, "chunks", Access::Read),
+            bound(2, "fractions", Access::Read),
+            bound(3, "sums", Access::ReadWrite),
+            $($extra),*
+        ];)+
+    };
+}
+
+wave_bindings! {
+    /// Bindings of `wave_power`.
+    WAVE_POWER = ;
+    /// The same with weights of points.
+    WAVE_POWER_WEIGHTED = bound(4, "weights", Access::Read);
+}
 
 /// Bindings of `wave_power_fold`.
 pub const WAVE_POWER_FOLD: &[Binding] = &[

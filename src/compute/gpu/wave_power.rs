@@ -1,12 +1,14 @@
 //! The power spectrum on the GPU: how the grid and the points are cut, and how the sums become `WavePower`. See the
-//! reference for the definition and `shaders/wave_power.wgsl` for the work itself.
+//! reference for the definition, `shaders/wave_power.wgsl` for the work itself and `shaders/shared/wave_types.wgsl` for where
+//! its sums lie.
 
 use std::ops::Range;
 
 use super::kernel::{self, KernelSpec};
-use super::params::{WAVE_POWER, WAVE_POWER_FOLD, WaveParams, WaveRange, WaveSums};
+use super::params::{WAVE_POWER, WAVE_POWER_FOLD, WAVE_POWER_WEIGHTED, WaveParams, WaveRange};
 use super::{GpuCompute, MAX_GROUPS};
 use crate::accumulate::WavePower;
+use crate::compute::reference::wave_power::Compensated;
 use crate::compute::{Compute, Control, coprime_from};
 use crate::error::Result;
 use crate::plan::{Accuracy, WaveGrid, WavePlan};
@@ -14,50 +16,122 @@ use crate::points::Ensemble;
 
 const NAME: &str = "wave_power";
 const FOLD_NAME: &str = "wave_power_fold";
-/// Rows and columns per invocation.
+/// Rows and columns per invocation, and numbers per table entry.
 const BLOCK: u32 = 4;
-/// Points whose phases are tabulated at a time.
-const TILE: u32 = 16;
-/// Points summed in plain f32: the error of P grows with the square root of this, the cost with its inverse.
+/// Workgroup memory for tables: what every WebGPU device has.
+const TABLE_BYTES: u32 = 16 << 10;
+/// Points summed in plain f32: the error of P grows with the square root of this, the cost of settling with its inverse.
 const PANEL: u32 = 64;
-/// Points per chunk. It depends on nothing else, so neither do the bytes of the result.
-const CHUNK: usize = 2048;
+/// Chunks of points a realization is cut into: enough for the largest devices, as long as a chunk repays its sums.
+const CHUNKS: usize = 128;
+/// Least and largest number of points of a chunk. The steps of `wave_settle.wgsl` are counted in i32 up to the latter.
+const CHUNK: [usize; 2] = [1024, 32_768];
 const FOLD_WORKGROUP: u32 = 64;
+const LISTS: &str = "lists of wave vectors have no GPU kernel";
+/// Bytes per sum and invocation: an integer and its rest in f32, or one f64, of four columns.
+const SUM_BYTES: u64 = 32;
+
+/// How a grid is cut into blocks of one workgroup each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Blocks {
+    row_lanes: u32,
+    column_lanes: u32,
+    lanes: u32,
+    /// Sums per invocation.
+    slots: u32,
+    /// Blocks over rows and columns: at least 1, since row 0 and column 0 lie along them.
+    count: [u32; 2],
+}
+
+impl Blocks {
+    fn new(grid: &WaveGrid) -> Self {
+        let (rows, columns) = (grid.half_shape()[0] as u32 - 1, columns(grid) as u32 - 1);
+        // Blocks are square where the grid allows, since a table entry costs as much as about 30 multiply-adds per number.
+        let shapes = [(16, 16, 256), (8, 8, 64), (63, 1, 64), (1, 63, 64)].map(|(row_lanes, column_lanes, lanes)| {
+            let count = [(rows, row_lanes), (columns, column_lanes)].map(|(n, l)| n.div_ceil(BLOCK * l).max(1));
+            let slots = if rows.min(columns) == 0 { 2 } else { 18 };
+            Self { row_lanes, column_lanes, lanes, slots, count }
+        });
+        let cost = |blocks: &Self| {
+            let product = if blocks.slots > 2 { 64 * blocks.lanes } else { 0 };
+            blocks.total() * u64::from(product + 120 * blocks.entries())
+        };
+        shapes.into_iter().min_by_key(cost).unwrap_or(shapes[0])
+    }
+
+    /// Table entries of a block.
+    fn entries(&self) -> u32 {
+        self.row_lanes + self.column_lanes
+    }
+
+    /// Results of a block, of eight numbers each.
+    fn items(&self) -> u32 {
+        self.entries() + if self.slots > 2 { BLOCK * self.lanes } else { 0 }
+    }
+
+    fn total(&self) -> u64 {
+        u64::from(self.count[0]) * u64::from(self.count[1])
+    }
+
+    /// Rows and columns of a block.
+    fn span(&self) -> [usize; 2] {
+        [self.row_lanes, self.column_lanes].map(|lanes| (BLOCK * lanes) as usize)
+    }
+
+    /// Bytes of the sums of one block over one chunk.
+    fn sum_bytes(&self) -> u64 {
+        SUM_BYTES * u64::from(self.slots * self.lanes)
+    }
+}
 
 /// The product kernel for a grid.
-pub(super) fn spec(grid: &WaveGrid) -> KernelSpec {
-    let columns = columns(grid) as u32;
-    // Table entries cost as much as about 6 sums, so blocks are square where the grid allows.
-    let (row_lanes, column_lanes) = if columns <= BLOCK {
-        (32, 1)
-    } else if columns <= 8 * BLOCK {
-        (8, 8)
-    } else {
-        (16, 16)
+pub(super) fn spec(grid: &WaveGrid, accuracy: Accuracy, weighted: bool) -> KernelSpec {
+    let blocks = Blocks::new(grid);
+    let (phase, settle, real_bytes, panel) = match accuracy {
+        Accuracy::Fast => (kernel::PHASE, kernel::WAVE_SETTLE, 4, PANEL),
+        // No panels within a chunk.
+        Accuracy::High => (kernel::PHASE_F64, kernel::WAVE_SETTLE_F64, 8, CHUNK[1] as u32),
     };
+    let (weights, bindings) =
+        if weighted { (kernel::WAVE_WEIGHTED, WAVE_POWER_WEIGHTED) } else { (kernel::WAVE_UNWEIGHTED, WAVE_POWER) };
+    let entries = blocks.entries();
+    let tile = TABLE_BYTES / (2 * BLOCK * real_bytes * entries);
     KernelSpec {
         name: NAME,
-        files: vec![kernel::PHASE, kernel::TWO_FLOAT, kernel::WAVE_TYPES, kernel::WAVE_POWER],
+        files: vec![phase, kernel::WAVE_TYPES, settle, weights, kernel::WAVE_POWER],
         overrides: vec![
             ("DIM", grid.dim() as u32),
-            ("ROW_LANES", row_lanes),
-            ("COLUMN_LANES", column_lanes),
-            ("WORKGROUP", row_lanes * column_lanes),
-            ("TILE", TILE),
-            ("ROW_WORDS", TILE * row_lanes),
-            ("COLUMN_WORDS", TILE * column_lanes),
-            ("PANEL", PANEL),
+            ("ROW_LANES", blocks.row_lanes),
+            ("COLUMN_LANES", blocks.column_lanes),
+            ("ENTRIES", entries),
+            ("WORKGROUP", blocks.lanes),
+            ("SLOTS", blocks.slots),
+            ("TILE", tile),
+            ("TABLE_WORDS", tile * entries),
+            ("PANEL", panel),
         ],
-        bindings: WAVE_POWER,
+        bindings,
     }
 }
 
 /// The kernel that folds sums into `|s_m|^2`.
-pub(super) fn fold_spec() -> KernelSpec {
+pub(super) fn fold_spec(grid: &WaveGrid, accuracy: Accuracy) -> KernelSpec {
+    let blocks = Blocks::new(grid);
+    let mut files = match accuracy {
+        Accuracy::Fast => vec![kernel::TWO_FLOAT, kernel::WAVE_TYPES, kernel::WAVE_TOTAL],
+        Accuracy::High => vec![kernel::WAVE_TYPES, kernel::WAVE_TOTAL_F64],
+    };
+    files.push(kernel::WAVE_POWER_FOLD);
     KernelSpec {
         name: FOLD_NAME,
-        files: vec![kernel::TWO_FLOAT, kernel::WAVE_TYPES, kernel::WAVE_POWER_FOLD],
-        overrides: vec![("WORKGROUP", FOLD_WORKGROUP)],
+        files,
+        overrides: vec![
+            ("WORKGROUP", FOLD_WORKGROUP),
+            ("ENTRIES", blocks.entries()),
+            ("LANES", blocks.lanes),
+            ("SLOTS", blocks.slots),
+            ("ITEMS", blocks.items()),
+        ],
         bindings: WAVE_POWER_FOLD,
     }
 }
@@ -69,47 +143,35 @@ fn columns(grid: &WaveGrid) -> usize {
     (n1 * n2).div_ceil(2)
 }
 
-/// Why a plan cannot run here.
-pub(super) fn supports(plan: &WavePlan, binding_bytes: u64) -> Result<(), String> {
-    if plan.accuracy != Accuracy::Fast {
-        return Err(format!("accuracy {} needs f64, which the GPU kernels do not use", plan.accuracy.name()));
-    }
-    let Some(grid) = plan.waves.grid() else { return Err("lists of wave vectors have no GPU kernel".into()) };
-    fits(plan.shape.max_points, grid.dim(), binding_bytes)
+/// Points per chunk of a realization with `n` points. It depends on nothing else, so neither do the bytes of the result.
+fn chunk(n: usize) -> usize {
+    n.div_ceil(CHUNKS).next_multiple_of(PANEL as usize).clamp(CHUNK[0], CHUNK[1])
 }
 
-fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
-    let bytes = points.saturating_mul(8 * dim as u64);
-    let sums = points.div_ceil(CHUNK as u64).saturating_mul(size_of::<WaveSums>() as u64);
-    if bytes.max(sums) > binding_bytes || points > u64::from(u32::MAX) / 8 {
+/// Why a plan cannot run here. `f64` says why f64 cannot be relied on, if so.
+pub(super) fn supports(plan: &WavePlan, f64: Result<(), String>, binding_bytes: u64) -> Result<(), String> {
+    if plan.accuracy == Accuracy::High {
+        f64.map_err(|why| format!("accuracy high needs f64: {why}"))?;
+    }
+    let Some(grid) = plan.waves.grid() else { return Err(LISTS.into()) };
+    fits(plan.shape.max_points, grid, binding_bytes)
+}
+
+/// Whether the points of a realization and the sums of one block over all its chunks fit into buffers.
+fn fits(points: u64, grid: &WaveGrid, binding_bytes: u64) -> Result<(), String> {
+    let chunks = points.div_ceil(chunk(usize::try_from(points).unwrap_or(usize::MAX / 2)) as u64);
+    let sums = chunks.saturating_mul(Blocks::new(grid).sum_bytes());
+    let bytes = points.saturating_mul(8 * grid.dim() as u64).max(sums);
+    if bytes > binding_bytes || points > u64::from(u32::MAX) / 8 {
         return Err(format!("{points} points need {bytes} bytes in one buffer, the device has {binding_bytes}"));
     }
     Ok(())
 }
 
-/// Rows and columns computed together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Cut {
-    rows: usize,
-    columns: usize,
-}
-
-/// The largest part of a grid whose sums over `chunks` chunks fit into `sums` entries: whole, or whole rows of blocks, or
-/// blocks, or what fits.
-fn cut(rows: usize, columns: usize, block: [usize; 2], chunks: usize, sums: usize) -> Cut {
-    let modes = (sums / chunks.max(1)).max(1);
-    if rows * columns <= modes {
-        return Cut { rows, columns };
-    }
-    let columns_taken = if block[0].min(rows) * columns <= modes {
-        columns
-    } else {
-        let fitting = modes / block[0].min(rows);
-        if fitting >= block[1] { fitting / block[1] * block[1] } else { fitting.max(1).min(columns) }
-    };
-    let fitting = (modes / columns_taken).max(1);
-    let rows_taken = if fitting >= block[0] { fitting / block[0] * block[0] } else { fitting };
-    Cut { rows: rows_taken.min(rows), columns: columns_taken }
+/// The largest rectangle of blocks of which no more than `fitting` are needed: whole rows of blocks, or a part of one.
+fn cut(count: [u32; 2], fitting: u64) -> [u32; 2] {
+    let fitting = u32::try_from(fitting).unwrap_or(u32::MAX).max(1);
+    if count[1] <= fitting { [(fitting / count[1]).min(count[0]), count[1]] } else { [1, fitting] }
 }
 
 pub(super) fn wave_power(
@@ -121,18 +183,24 @@ pub(super) fn wave_power(
     let gpu = compute.gpu();
     let tuning = &compute.tuning;
     let binding_bytes = gpu.limits.max_storage_buffer_binding_size;
-    let grid = plan.waves.grid().ok_or_else(|| gpu.error(NAME, "no grid"))?;
-    let dim = grid.dim();
+    let grid = plan.waves.grid().ok_or_else(|| gpu.error(NAME, LISTS))?;
     let sizes: Vec<usize> = (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).collect();
-    supports(plan, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
     let largest = sizes.iter().copied().max().unwrap_or(0);
-    fits(largest as u64, dim, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
+    fits(largest as u64, grid, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
 
-    let job = Job { compute, grid, product: compute.kernel(spec(grid))?, fold: compute.kernel(fold_spec())? };
+    let weighted = (0..sizes.len()).any(|k| ensemble.weights(k).is_some());
+    let blocks = Blocks::new(grid);
+    let job = Job {
+        compute,
+        grid,
+        accuracy: plan.accuracy,
+        blocks,
+        product: compute.kernel(spec(grid, plan.accuracy, weighted))?,
+        fold: compute.kernel(fold_spec(grid, plan.accuracy))?,
+    };
     let buffer_bytes = tuning.buffer_bytes.min(binding_bytes);
-    let sums_cap = (buffer_bytes as usize / size_of::<WaveSums>()).max(largest.div_ceil(CHUNK));
-    let points_cap = buffer_bytes as usize / (8 * dim);
-    let (grid_rows, grid_columns) = (grid.half_shape()[0], columns(grid));
+    let points_cap = buffer_bytes as usize / (8 * grid.dim());
+    let sums_cap = buffer_bytes / blocks.sum_bytes();
 
     let mut result = WavePower::new(compute.computed_by(), grid.half_len(), &plan.rings);
     let mut first = 0;
@@ -141,33 +209,33 @@ pub(super) fn wave_power(
         let (mut end, mut points, mut chunks) = (first, 0, 0);
         while end < sizes.len() {
             // Without points there are no chunks, but |s|^2 = 0 takes room, too.
-            let more = sizes[end].div_ceil(CHUNK).max(1);
-            let fits = points + sizes[end] <= points_cap && (chunks + more) * grid_rows * grid_columns <= sums_cap;
+            let more = sizes[end].div_ceil(chunk(sizes[end])).max(1) as u64;
+            let fits = points + sizes[end] <= points_cap && (chunks + more) * blocks.total() <= sums_cap;
             if end > first && !fits {
                 break;
             }
             (points, chunks, end) = (points + sizes[end], chunks + more, end + 1);
         }
         let batch = first..end;
-        let overrides = &job.product.spec().overrides;
-        let lanes = |name| overrides.iter().find(|o| o.0 == name).map_or(1, |o| (o.1 * BLOCK) as usize);
-        let part = cut(grid_rows, grid_columns, [lanes("ROW_LANES"), lanes("COLUMN_LANES")], chunks, sums_cap);
+        let part = cut(blocks.count, sums_cap / chunks);
         let mut power = vec![vec![0f64; grid.half_len()]; batch.len()];
         gpu.guarded(NAME, || {
             let points = job.upload(ensemble, &batch, part);
-            for row in (0..grid_rows).step_by(part.rows) {
-                for column in (0..grid_columns).step_by(part.columns) {
+            for row in (0..blocks.count[0]).step_by(part[0] as usize) {
+                for column in (0..blocks.count[1]).step_by(part[1] as usize) {
                     control.check()?;
-                    let rows = row..(row + part.rows).min(grid_rows);
-                    let columns = column..(column + part.columns).min(grid_columns);
-                    job.run(&points, rows, columns, &mut power, control)?;
+                    let end = [(row + part[0]).min(blocks.count[0]), (column + part[1]).min(blocks.count[1])];
+                    job.run(&points, [row..end[0], column..end[1]], &mut power, control)?;
                 }
             }
             Ok(())
         })?;
         for (k, power) in batch.zip(&mut power) {
-            // |s_0|^2 = n^2 needs no sum, and is the one value an f32 may be too short for.
-            power[grid.dc()] = (sizes[k] as f64).powi(2);
+            // s_0 is the sum of weights. It needs no phases, and is the one value an f32 may be too short for.
+            power[grid.dc()] = match ensemble.weights(k) {
+                Some(weights) => weights.iter().copied().collect::<Compensated>().sum().powi(2),
+                None => (sizes[k] as f64).powi(2),
+            };
             result.add(ensemble.first_index() + k as u64, ensemble.norm(k), power.as_slice(), &plan.rings);
         }
         first = end;
@@ -180,6 +248,8 @@ pub(super) fn wave_power(
 struct Job<'a> {
     compute: &'a GpuCompute,
     grid: &'a WaveGrid,
+    accuracy: Accuracy,
+    blocks: Blocks,
     product: std::sync::Arc<kernel::Kernel>,
     fold: std::sync::Arc<kernel::Kernel>,
 }
@@ -188,6 +258,7 @@ struct Job<'a> {
 struct Points {
     total: usize,
     fractions: wgpu::Buffer,
+    weights: Option<wgpu::Buffer>,
     chunks: Vec<WaveRange>,
     chunks_buffer: wgpu::Buffer,
     realizations: usize,
@@ -206,35 +277,45 @@ fn far_apart(n: usize) -> impl Iterator<Item = usize> {
 }
 
 impl Job<'_> {
-    fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>, part: Cut) -> Points {
+    fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>, part: [u32; 2]) -> Points {
         let (gpu, fill) = (self.compute.gpu(), self.compute.tuning.fill);
         let points = ensemble.range(batch.start).start..ensemble.range(batch.end - 1).end;
         let mut fractions = Vec::with_capacity(points.len() * ensemble.domain().dim());
         for axis in 0..ensemble.domain().dim() {
             let axis = ensemble.all_fractions(axis);
-            // The upper word is exact; of the lower, 24 bits are enough: it is multiplied by at most 2^22 steps of 2^-32.
-            let low = |x: u64| (x as u32 as f32 / 4_294_967_296.0).to_bits();
             for k in batch.clone() {
                 let axis = &axis[ensemble.range(k)];
-                fractions.extend(far_apart(axis.len()).map(|j| [(axis[j] >> 32) as u32, low(axis[j])]));
+                fractions.extend(far_apart(axis.len()).map(|j| [axis[j] as u32, (axis[j] >> 32) as u32]));
             }
         }
+        let weights: Vec<f64> = batch
+            .clone()
+            .filter_map(|k| ensemble.weights(k))
+            .flat_map(|weights| far_apart(weights.len()).map(move |j| weights[j]))
+            .collect();
+        let weights = ensemble.weights(batch.start).map(|_| match self.accuracy {
+            Accuracy::Fast => gpu.upload("weights", &weights.iter().map(|&w| w as f32).collect::<Vec<_>>(), fill),
+            Accuracy::High => gpu.upload("weights", &weights, fill),
+        });
         let (mut chunks, mut realizations) = (Vec::new(), Vec::new());
         for k in batch.clone() {
             let range = ensemble.range(k);
             let first = chunks.len() as u32;
-            for start in range.clone().step_by(CHUNK) {
-                let count = CHUNK.min(range.end - start) as u32;
+            let size = chunk(range.len());
+            for start in range.clone().step_by(size) {
+                let count = size.min(range.end - start) as u32;
                 chunks.push(WaveRange { first: (start - points.start) as u32, count });
             }
             realizations.push(WaveRange { first, count: chunks.len() as u32 - first });
         }
-        let modes = part.rows * part.columns;
+        let blocks = u64::from(part[0] * part[1]);
+        let items = blocks * u64::from(self.blocks.items()) * realizations.len() as u64;
         Points {
             total: points.len(),
-            sums: gpu.scratch("sums", (chunks.len() * modes * size_of::<WaveSums>()) as u64, fill),
-            power: gpu.scratch("power", 8 * (modes * realizations.len()) as u64, fill),
+            sums: gpu.scratch("sums", chunks.len() as u64 * blocks * self.blocks.sum_bytes(), fill),
+            power: gpu.scratch("power", items * self.item_bytes(), fill),
             fractions: gpu.upload("fractions", &fractions, fill),
+            weights,
             chunks_buffer: gpu.upload("chunks", &chunks, fill),
             chunks,
             realizations: realizations.len(),
@@ -242,35 +323,32 @@ impl Job<'_> {
         }
     }
 
-    /// One part of the grid, into `power` (per realization, one value per stored mode).
-    fn run(
-        &self,
-        points: &Points,
-        rows: Range<usize>,
-        columns: Range<usize>,
-        power: &mut [Vec<f64>],
-        control: &Control,
-    ) -> Result<()> {
+    /// Bytes of eight numbers.
+    fn item_bytes(&self) -> u64 {
+        match self.accuracy {
+            Accuracy::Fast => 32,
+            Accuracy::High => 64,
+        }
+    }
+
+    /// The blocks of a part of the grid, into `power` (per realization, one value per stored mode).
+    fn run(&self, points: &Points, part: [Range<u32>; 2], power: &mut [Vec<f64>], control: &Control) -> Result<()> {
         let (gpu, tuning) = (self.compute.gpu(), &self.compute.tuning);
-        let overrides = &self.product.spec().overrides;
-        let lanes = |name| overrides.iter().find(|o| o.0 == name).map_or(1, |o| o.1);
-        let block = [BLOCK * lanes("ROW_LANES"), BLOCK * lanes("COLUMN_LANES")];
-        let modes = rows.len() * columns.len();
+        let span = self.blocks.span();
         let mut params = WaveParams {
-            first_row: rows.start as u32,
-            rows: rows.len() as u32,
-            first_column: columns.start as u32,
-            columns: columns.len() as u32,
-            row_blocks: (rows.len() as u32).div_ceil(block[0]),
-            column_blocks: (columns.len() as u32).div_ceil(block[1]),
+            first_row: 1 + part[0].start * span[0] as u32,
+            first_column: 1 + part[1].start * span[1] as u32,
+            row_blocks: part[0].len() as u32,
+            column_blocks: part[1].len() as u32,
             frequency_2: self.grid.max_frequency()[2],
             total_points: points.total as u32,
             ..WaveParams::default()
         };
         let blocks = params.row_blocks * params.column_blocks;
         params.jobs = blocks * points.chunks.len() as u32;
-        // Work per group, in sums over one point.
-        let work = u64::from(block[0] * block[1]) * 4 * CHUNK.min(points.total.max(1)) as u64;
+        // Work per group, in multiply-adds.
+        let longest = points.chunks.iter().map(|c| c.count).max().unwrap_or(1);
+        let work = u64::from(64 * self.blocks.lanes) * u64::from(longest);
         let groups = (tuning.fma_per_dispatch / work).clamp(1, u64::from(MAX_GROUPS)) as u32;
         let mut last = None;
         while params.first_job < params.jobs {
@@ -278,7 +356,8 @@ impl Job<'_> {
             let count = groups.min(params.jobs - params.first_job);
             let uniform = gpu.uniform("params", &params);
             let mut encoder = gpu.encoder(NAME);
-            let buffers = [&uniform, &points.chunks_buffer, &points.fractions, &points.sums];
+            let mut buffers = vec![&uniform, &points.chunks_buffer, &points.fractions, &points.sums];
+            buffers.extend(&points.weights);
             self.product.dispatch(gpu, &mut encoder, &buffers, count);
             params.first_job += count;
             // One submission ahead: the device has work while the host waits, and a cancelled call ends soon.
@@ -287,7 +366,7 @@ impl Job<'_> {
             }
         }
 
-        let total = modes * points.realizations;
+        let total = blocks as usize * self.blocks.items() as usize * points.realizations;
         params.jobs = total as u32;
         params.first_job = 0;
         let mut encoder = gpu.encoder(FOLD_NAME);
@@ -298,19 +377,52 @@ impl Job<'_> {
             self.fold.dispatch(gpu, &mut encoder, &buffers, count);
             params.first_job += count;
         }
-        let folded: Vec<[f32; 2]> = gpu.read_back(FOLD_NAME, encoder, &points.power, total)?;
-
-        let [_, n1, n2] = self.grid.half_shape();
-        let (plane, centre) = (n1 * n2, n1 * n2 / 2);
-        for (power, folded) in power.iter_mut().zip(folded.chunks_exact(modes)) {
-            for (row, folded) in rows.clone().zip(folded.chunks_exact(columns.len())) {
-                for (column, &[plus, minus]) in columns.clone().zip(folded) {
-                    power[row * plane + centre - column] = f64::from(minus);
-                    power[row * plane + centre + column] = f64::from(plus);
-                }
+        let folded: Vec<[f64; 8]> = match self.accuracy {
+            Accuracy::Fast => {
+                let folded = gpu.read_back::<[f32; 8]>(FOLD_NAME, encoder, &points.power, total)?;
+                folded.into_iter().map(|item| item.map(f64::from)).collect()
+            }
+            Accuracy::High => gpu.read_back(FOLD_NAME, encoder, &points.power, total)?,
+        };
+        for (power, folded) in power.iter_mut().zip(folded.chunks_exact(total / points.realizations)) {
+            let places = part[0].clone().flat_map(|row| part[1].clone().map(move |column| [row, column]));
+            for (block, items) in places.zip(folded.chunks_exact(self.blocks.items() as usize)) {
+                self.place(block, items, power);
             }
         }
         Ok(())
+    }
+
+    /// The results of a block, where they belong.
+    fn place(&self, block: [u32; 2], items: &[[f64; 8]], power: &mut [f64]) {
+        let [grid_rows, n1, n2] = self.grid.half_shape();
+        let (plane, centre, grid_columns) = (n1 * n2, n1 * n2 / 2, columns(self.grid));
+        let mut put = |row: usize, column: usize, plus: f64, minus: f64| {
+            if row < grid_rows && column < grid_columns {
+                power[row * plane + centre - column] = minus;
+                power[row * plane + centre + column] = plus;
+            }
+        };
+        let [rows, columns] = [self.blocks.row_lanes as usize, self.blocks.column_lanes as usize];
+        let (entries, product) = items.split_at(rows + columns);
+        let block_row = 1 + block[0] as usize * self.blocks.span()[0];
+        let block_column = 1 + block[1] as usize * self.blocks.span()[1];
+        for (entry, values) in entries.iter().enumerate() {
+            for (i, &q) in values[..4].iter().enumerate() {
+                match entry.checked_sub(rows) {
+                    None => put(block_row + 4 * entry + i, 0, q, q),
+                    Some(entry) => put(0, block_column + 4 * entry + i, q, q),
+                }
+            }
+        }
+        for (r, values) in product.chunks_exact(self.blocks.lanes as usize).enumerate() {
+            for (lane, values) in values[..rows * columns].iter().enumerate() {
+                for i in 0..4 {
+                    let (row, column) = (block_row + 4 * (lane % rows) + r, block_column + 4 * (lane / rows) + i);
+                    put(row, column, values[i], values[4 + i]);
+                }
+            }
+        }
     }
 }
 
@@ -332,19 +444,62 @@ mod tests {
     }
 
     #[test]
-    fn cuts_fit_and_make_progress() {
-        for (rows, columns) in [(1, 1), (257, 257), (65537, 3), (10, 100_000), (4097, 1)] {
-            for chunks in [0, 1, 7, 500] {
-                for sums in [500, 5_000, 1 << 21] {
-                    let c = cut(rows, columns, [64, 64], chunks, sums);
-                    assert!(c.rows >= 1 && c.rows <= rows && c.columns >= 1 && c.columns <= columns);
-                    assert!(
-                        c.rows * c.columns * chunks.max(1) <= sums,
-                        "{c:?} for {rows} x {columns}, {chunks}, {sums}"
-                    );
+    fn blocks_cover_the_grid_and_powers_of_two_fill_them() {
+        for f in
+            [&[64, 64][..], &[128, 128], &[256, 256], &[3], &[0, 9], &[7, 0], &[65_536, 2], &[1, 65_536], &[9, 8, 7]]
+        {
+            let grid = WaveGrid::new(f).unwrap();
+            let blocks = Blocks::new(&grid);
+            let wanted = [grid.half_shape()[0] - 1, columns(&grid) - 1];
+            for (axis, wanted) in wanted.into_iter().enumerate() {
+                let covered = blocks.count[axis] as usize * blocks.span()[axis];
+                assert!(covered >= wanted && covered < wanted.max(1) + blocks.span()[axis], "{f:?}: {blocks:?}");
+                if f.len() == 2 && f[0] == f[1] {
+                    assert_eq!(covered, wanted, "{f:?}: {blocks:?}");
                 }
             }
+            assert_eq!(blocks.slots == 2, wanted.contains(&0), "{f:?}: {blocks:?}");
+            assert_eq!(blocks.lanes % blocks.entries(), 0, "{blocks:?}");
+            assert!(blocks.lanes >= blocks.row_lanes * blocks.column_lanes, "{blocks:?}");
         }
+    }
+
+    #[test]
+    fn cuts_fit_and_make_progress() {
+        for count in [[1, 1], [4, 4], [261, 1], [1, 261], [300, 70]] {
+            for fitting in [0, 1, 7, 500, u64::MAX] {
+                let [rows, columns] = cut(count, fitting);
+                assert!(rows >= 1 && rows <= count[0] && columns >= 1 && columns <= count[1], "{count:?}, {fitting}");
+                assert!(u64::from(rows * columns) <= fitting.max(1), "{count:?}, {fitting}");
+            }
+        }
+    }
+
+    #[test]
+    fn chunks_hold_whole_panels_and_steps_that_fit() {
+        for n in [0, 1, 5000, 65_536, 1_000_000, 100_000_000] {
+            let points = chunk(n);
+            assert!(points.is_multiple_of(PANEL as usize) && (CHUNK[0]..=CHUNK[1]).contains(&points), "{n}: {points}");
+            assert!(points == CHUNK[1] || n.div_ceil(points) <= CHUNKS, "{n}: {points}");
+        }
+        // Steps of 2^-15 in i32, and panels that stay next to 384.
+        assert!(CHUNK[1] as u64 * (1 << 15) <= 1 << 30 && PANEL < 128);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_its_bytes() {
+        let grid = WaveGrid::new(&[64, 64]).unwrap();
+        let binding = 128 << 20;
+        assert_eq!(fits(1_000_000, &grid, binding), Ok(()));
+        // 2^23 points of two coordinates of 8 bytes.
+        assert!(fits(8_400_000, &grid, binding).unwrap_err().contains("134400000 bytes"));
+        // 128 chunks of one block of 18 sums of 32 bytes for each of 256 invocations.
+        assert!(
+            fits(1_000_000, &grid, 1 << 24).unwrap_err().contains("18874368 bytes"),
+            "{:?}",
+            fits(1_000_000, &grid, 1 << 24)
+        );
+        assert!(fits(u64::MAX, &grid, u64::MAX).is_err());
     }
 
     /// The polynomials of `shaders/shared/phase.wgsl`, read from there, in the same f32 operations.

@@ -61,9 +61,16 @@ pub(in crate::compute) fn amplitudes(
     Ok(amplitudes)
 }
 
+/// The sum of all values, as accurate as the sums of the definition.
+pub(in crate::compute) fn total(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sum = Compensated::default();
+    values.for_each(|x| sum.add(x));
+    sum.sum()
+}
+
 /// A sum that carries its rounding error (Neumaier 1974).
 #[derive(Default)]
-struct Compensated {
+pub(in crate::compute) struct Compensated {
     sum: f64,
     error: f64,
 }
@@ -75,7 +82,15 @@ impl Compensated {
         self.sum = s;
     }
 
-    fn sum(&self) -> f64 {
+    pub(in crate::compute) fn sum(&self) -> f64 {
         self.sum + self.error
+    }
+}
+
+impl FromIterator<f64> for Compensated {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        let mut sum = Self::default();
+        values.into_iter().for_each(|x| sum.add(x));
+        sum
     }
 }

@@ -9,6 +9,7 @@
 
 mod columns;
 mod edges;
+mod frequencies;
 mod npy;
 mod npz;
 mod raw;
@@ -25,6 +26,7 @@ use crate::points::RawPoints;
 use columns::Marks;
 pub use columns::{Column, Columns, MarkedPoints};
 pub use edges::read_edges;
+pub use frequencies::read_frequencies;
 pub use raw::{RawElement, RawLayout};
 
 /// What the command line says about its input files.

@@ -1,0 +1,60 @@
+//! Wave vectors, one per line: the same files that hold points, read as frequencies.
+
+use std::path::Path;
+
+use super::{Columns, ReadOptions, coordinates, plural, read_file};
+use crate::error::{Error, Result, number};
+use crate::plan::WaveList;
+use crate::points::Domain;
+
+/// Frequencies from here on are refused: 2^31 cycles per side.
+const LIMIT: f64 = 2_147_483_648.0;
+
+/// Reads `--frequencies`: on a torus integers m, in cycles per side; in a window cycles per unit length. The file may be any
+/// that could hold points with as many coordinates as `domain` has axes; a header is optional, `#` starts a comment. The
+/// order is kept, and so are repetitions.
+pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
+    let dim = domain.dim();
+    let mut vectors = Vec::new();
+    for set in read_file(path, &ReadOptions { dim: Some(dim), raw: None }, &Columns::default())? {
+        let set = set.points;
+        if set.dim != dim {
+            let reason = format!(
+                "{} per wave vector, but the points have {dim}; expected {}",
+                coordinates(set.dim),
+                plural(dim as u64, "number")
+            );
+            return Err(Error::input(set.place(0), reason));
+        }
+        for (j, frequency) in set.coordinates.chunks_exact(dim).enumerate() {
+            let mut vector = [0.0; 3];
+            for (k, &value) in frequency.iter().enumerate() {
+                let cycles = if domain.is_torus() { value } else { value * domain.sides()[k] };
+                if let Some(reason) = refused(cycles, value, k, domain) {
+                    return Err(Error::input(set.place(j), reason));
+                }
+                // Without a sign where it is 0.
+                vector[k] = cycles + 0.0;
+            }
+            vectors.push(vector);
+        }
+    }
+    let list = WaveList { dim, vectors, mirrored: false };
+    list.check_size("--frequencies", path.display())?;
+    Ok(list)
+}
+
+/// Why a coordinate of a wave vector cannot be used.
+fn refused(cycles: f64, value: f64, axis: usize, domain: &Domain) -> Option<String> {
+    let axis = ["x", "y", "z"][axis];
+    let value = number(value);
+    if domain.is_torus() {
+        let expected = "expected an integer with magnitude below 2^31: cycles per side of the torus";
+        let good = cycles.fract() == 0.0 && cycles.abs() < LIMIT;
+        return (!good).then(|| format!("m_{axis} = {value}; {expected}"));
+    }
+    let expected = "expected cycles per unit length, less than 2^31 of them per side of the window";
+    // Written so that NaN fails.
+    let good = cycles.abs() < LIMIT;
+    (!good).then(|| format!("nu_{axis} = {value}; {expected}"))
+}
