@@ -5,6 +5,8 @@
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
+#[doc(hidden)]
+pub mod nufft;
 mod pair_bins;
 mod pair_counts;
 mod pair_weights;

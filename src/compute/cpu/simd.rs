@@ -5,6 +5,7 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
+use super::nufft::Band;
 use super::phase_tables::{Panel, Table, fill};
 use super::wave_power::Points;
 use super::wave_terms::{LANES, Vector, terms};
@@ -82,6 +83,31 @@ by_level! {
     table_sums_f64 = fill::sums_f64(table: &[f64], stride: usize, weights: &[f64], sums: &mut [f64]);
     /// Adds the terms of one wave vector at a chunk of points.
     add_terms = terms::add(vector: &Vector, points: &Points<'_>, sums: &mut [[f64; LANES]; 2]);
+}
+
+/// Spreads the points of a band.
+pub(super) fn spread(level: SimdLevel, band: Band<'_>, weighted: bool) {
+    match level {
+        // SAFETY: the level was detected.
+        #[cfg(target_arch = "x86_64")]
+        SimdLevel::Avx512 => unsafe { spread_avx512(band, weighted) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        SimdLevel::Avx2 => unsafe { spread_avx2(band, weighted) },
+        _ => band.spread::<false>(weighted),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+fn spread_avx512(band: Band<'_>, weighted: bool) {
+    band.spread::<true>(weighted);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn spread_avx2(band: Band<'_>, weighted: bool) {
+    band.spread::<true>(weighted);
 }
 
 /// `to += from`: the sums of a panel join those of all points.

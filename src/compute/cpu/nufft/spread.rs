@@ -1,0 +1,335 @@
+//! Spreading: every point adds its kernel to the cells around it.
+//!
+//! - The grid is padded: cell `c` of an axis is stored at `c + (w - 1) / 2`, so that the first cell a point reaches is stored at
+//!   the point's own (rounded) position, and nothing wraps until `fold`.
+//! - Points are sorted by tiles of cells, so that those in a row meet the same part of the cache.
+//! - Tiles are cut from bands of the last axis. A kernel reaches from its band into the next one at most, so the even bands
+//!   can be done at once, then the odd ones, and every cell gets its terms in the same order on any number of threads.
+
+use std::ops::Range;
+
+use rayon::ThreadPool;
+
+use super::kernel::Kernel;
+use super::threads::share;
+use crate::compute::Control;
+use crate::compute::cpu::simd::{self, SimdLevel};
+use crate::error::Result;
+
+/// Points that are sorted at a time: in the second-level cache.
+const CHUNK: usize = 1 << 15;
+
+/// Cells of a tile in 1D, 2D and 3D, last axis last, as powers of two; no band is thinner than the widest kernel.
+const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 5, 0], [4, 4, 4]];
+
+/// With more tiles than this, pairs are joined: their bookkeeping would take longer than what they save.
+const MAX_TILES: usize = 1 << 14;
+
+/// One axis of the fine grid.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    /// Which axis of the points it is.
+    axis: usize,
+    /// Cells.
+    pub(super) cells: usize,
+    /// Cells as stored: what kernels reach, and what vectors write beyond.
+    pub(super) stored: usize,
+    pub(super) kernel: Kernel,
+    tile_shift: u32,
+}
+
+impl Axis {
+    /// Where cell 0 is stored.
+    pub(super) fn pad(&self) -> usize {
+        (self.kernel.width() - 1) / 2
+    }
+
+    /// The (rounded) position in cells, at most `cells`, and how far the point is beyond it, as -1 to 1. No bit is lost.
+    #[inline(always)]
+    fn locate(&self, x: u64) -> (usize, f64) {
+        let half = u128::from(self.kernel.width() % 2 == 1) << 63;
+        let position = u128::from(x) * self.cells as u128 + half;
+        let beyond = (position as u64 ^ (1 << 63)) as i64;
+        ((position >> 64) as usize, beyond as f64 * 2f64.powi(-63))
+    }
+
+    fn tile(&self, x: u64) -> usize {
+        self.locate(x).0 >> self.tile_shift
+    }
+
+    fn tiles(&self) -> usize {
+        (self.cells >> self.tile_shift) + 1
+    }
+}
+
+/// The fine grid, the first axis contiguous, and its tiles.
+#[derive(Debug, Clone)]
+pub(super) struct FineGrid {
+    pub(super) axes: Vec<Axis>,
+    level: SimdLevel,
+}
+
+impl FineGrid {
+    /// Per axis: which axis of the points, cells and kernel. All kernels are equally wide.
+    pub(super) fn new(axes: Vec<(usize, usize, Kernel)>, level: SimdLevel) -> Self {
+        let shifts = TILE_SHIFTS[axes.len() - 1];
+        let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, Kernel))| {
+            let stored = if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
+            Axis { axis, cells, stored, kernel, tile_shift: shifts[a] }
+        };
+        let mut grid = Self { axes: axes.into_iter().enumerate().map(axis).collect(), level };
+        while grid.tiles() > MAX_TILES {
+            if let Some(axis) = grid.axes.iter_mut().max_by_key(|axis| axis.tiles()) {
+                axis.tile_shift += 1;
+            }
+        }
+        grid
+    }
+
+    /// Cells as stored of one step along axis `a`.
+    pub(super) fn step(&self, a: usize) -> usize {
+        self.axes[..a].iter().map(|axis| axis.stored).product()
+    }
+
+    /// Cells as stored.
+    pub(super) fn stored(&self) -> usize {
+        self.step(self.axes.len())
+    }
+
+    fn tiles(&self) -> usize {
+        self.axes.iter().map(Axis::tiles).product()
+    }
+
+    /// Bytes of `Sorted` for `n` points.
+    pub(super) fn sorted_bytes(&self, n: usize, weighted: bool) -> u64 {
+        let per_point = 8 * (self.axes.len() + usize::from(weighted)) + 4;
+        (n * per_point + n.div_ceil(CHUNK) * 4 * (self.tiles() + 1)) as u64
+    }
+
+    /// Adds `w_j phi(x - x_j)` over all points to every cell, which it sets to 0 before.
+    pub(super) fn spread(
+        &self,
+        points: &Points<'_>,
+        sorted: &mut Sorted,
+        cells: &mut [f64],
+        pool: Option<&ThreadPool>,
+        control: &Control,
+    ) -> Result<()> {
+        let n = points.axes[0].len();
+        sorted.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
+        let mut workers = vec![(); pool.map_or(1, ThreadPool::current_num_threads)];
+        share(pool, &mut workers, sorted.chunks.iter_mut().enumerate(), |_, (c, chunk)| {
+            control.check()?;
+            chunk.sort(self, points, c * CHUNK..n.min((c + 1) * CHUNK));
+            Ok(())
+        })?;
+        let Some((last, others)) = self.axes.split_last() else { return Ok(()) };
+        let (band, step) = (1 << last.tile_shift, self.step(others.len()));
+        let tiles = others.iter().map(Axis::tiles).product::<usize>();
+        for parity in 0..2 {
+            let pairs = cells[parity * band * step..].chunks_mut(2 * band * step).enumerate();
+            share(pool, &mut workers, pairs.take((last.tiles() + 1 - parity) / 2), |_, (pair, cells)| {
+                control.check()?;
+                let index = 2 * pair + parity;
+                if parity == 0 {
+                    cells.fill(0.0);
+                }
+                let tiles = index * tiles..(index + 1) * tiles;
+                let band = Band { grid: self, chunks: &sorted.chunks, tiles, first: index * band, cells };
+                simd::spread(self.level, band, points.weights.is_some());
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Adds the pads of axis `a` to the cells they stand for. `cells` are all steps along the axis.
+    pub(super) fn fold(&self, a: usize, cells: &mut [f64]) {
+        let (axis, step) = (&self.axes[a], self.step(a));
+        let first = axis.pad();
+        for at in (0..first).chain(first + axis.cells..axis.stored) {
+            let to = first + (at + axis.cells * axis.stored - first) % axis.cells;
+            let (low, high) = cells.split_at_mut(at.max(to) * step);
+            let (low, high) = (&mut low[at.min(to) * step..][..step], &mut high[..step]);
+            let (to, from) = if to < at { (low, high) } else { (high, low) };
+            for (to, from) in to.iter_mut().zip(from) {
+                *to += *from;
+            }
+        }
+    }
+}
+
+/// Points of one realization: fractions of the side per axis, and weights where they are not all 1.
+#[derive(Debug, Clone, Copy)]
+pub struct Points<'a> {
+    /// Fractions of the side in steps of 2^-64.
+    pub axes: &'a [&'a [u64]],
+    /// One per point; `None` where every point weighs 1.
+    pub weights: Option<&'a [f64]>,
+}
+
+/// Points in the order of their tiles, chunk by chunk.
+#[derive(Debug, Default)]
+pub(super) struct Sorted {
+    chunks: Vec<Chunk>,
+}
+
+#[derive(Debug, Default)]
+struct Chunk {
+    /// The tile of each point, in the order of the input.
+    tiles: Vec<u32>,
+    /// `starts[t] .. starts[t + 1]` are the points of tile `t`.
+    starts: Vec<u32>,
+    /// Per point its fractions and, where there are weights, the bits of its weight.
+    records: Vec<u64>,
+}
+
+impl Chunk {
+    fn sort(&mut self, grid: &FineGrid, points: &Points<'_>, range: Range<usize>) {
+        let axes: Vec<&[u64]> = grid.axes.iter().map(|axis| &points.axes[axis.axis][range.clone()]).collect();
+        let weights = points.weights.map(|w| &w[range]);
+        match (axes.as_slice(), weights) {
+            (&[x], None) => self.sort_in(grid, [x], |_, [x]| [x]),
+            (&[x], Some(w)) => self.sort_in(grid, [x], |j, [x]| [x, w[j].to_bits()]),
+            (&[x, y], None) => self.sort_in(grid, [x, y], |_, x| x),
+            (&[x, y], Some(w)) => self.sort_in(grid, [x, y], |j, [x, y]| [x, y, w[j].to_bits()]),
+            (&[x, y, z], None) => self.sort_in(grid, [x, y, z], |_, x| x),
+            (&[x, y, z], Some(w)) => self.sort_in(grid, [x, y, z], |j, [x, y, z]| [x, y, z, w[j].to_bits()]),
+            _ => {}
+        }
+    }
+
+    /// A counting sort, which keeps the order within a tile.
+    #[inline(always)]
+    fn sort_in<const D: usize, const R: usize>(
+        &mut self,
+        grid: &FineGrid,
+        points: [&[u64]; D],
+        record: impl Fn(usize, [u64; D]) -> [u64; R],
+    ) {
+        let n = points[0].len();
+        let axes: [&Axis; D] = std::array::from_fn(|a| &grid.axes[a]);
+        // The start of a tile is kept one place on while tiles are counted, and two while they are filled.
+        self.starts.clear();
+        self.starts.resize(grid.tiles() + 2, 0);
+        self.tiles.clear();
+        self.tiles.extend((0..n).map(|j| {
+            let tile = (0..D).rev().fold(0, |tile, a| tile * axes[a].tiles() + axes[a].tile(points[a][j]));
+            self.starts[tile + 2] += 1;
+            tile as u32
+        }));
+        let mut total = 0;
+        for start in &mut self.starts {
+            total += *start;
+            *start = total;
+        }
+        self.records.resize(n * R, 0);
+        let records = self.records.as_chunks_mut::<R>().0;
+        for (j, &tile) in self.tiles.iter().enumerate() {
+            let next = &mut self.starts[tile as usize + 1];
+            records[*next as usize] = record(j, std::array::from_fn(|a| points[a][j]));
+            *next += 1;
+        }
+    }
+}
+
+/// The work of one thread: the tiles of a band, and the cells that their points reach.
+pub(in super::super) struct Band<'a> {
+    grid: &'a FineGrid,
+    chunks: &'a [Chunk],
+    tiles: Range<usize>,
+    /// Where the band begins along the last axis.
+    first: usize,
+    cells: &'a mut [f64],
+}
+
+/// f64 in the vectors that hold a kernel.
+fn lanes(width: usize) -> usize {
+    if width <= 8 { 8 } else { 16 }
+}
+
+impl Band<'_> {
+    /// To be inlined into a function for an instruction set.
+    #[inline(always)]
+    pub(in super::super) fn spread<const FMA: bool>(self, weighted: bool) {
+        let lanes = lanes(self.grid.axes[0].kernel.width());
+        match (self.grid.axes.len(), lanes, weighted) {
+            (1, 8, false) => self.points::<FMA, 1, 1, 8>(),
+            (1, 8, true) => self.points::<FMA, 1, 2, 8>(),
+            (1, _, false) => self.points::<FMA, 1, 1, 16>(),
+            (1, _, true) => self.points::<FMA, 1, 2, 16>(),
+            (2, 8, false) => self.points::<FMA, 2, 2, 8>(),
+            (2, 8, true) => self.points::<FMA, 2, 3, 8>(),
+            (2, _, false) => self.points::<FMA, 2, 2, 16>(),
+            (2, _, true) => self.points::<FMA, 2, 3, 16>(),
+            (_, 8, false) => self.points::<FMA, 3, 3, 8>(),
+            (_, 8, true) => self.points::<FMA, 3, 4, 8>(),
+            (_, _, false) => self.points::<FMA, 3, 3, 16>(),
+            (_, _, true) => self.points::<FMA, 3, 4, 16>(),
+        }
+    }
+
+    #[inline(always)]
+    fn points<const FMA: bool, const D: usize, const R: usize, const L: usize>(self) {
+        let axes: [&Axis; D] = std::array::from_fn(|a| &self.grid.axes[a]);
+        let width = axes[0].kernel.width();
+        let steps: [usize; D] = std::array::from_fn(|a| self.grid.step(a));
+        for tile in self.tiles {
+            for chunk in self.chunks {
+                let run = chunk.starts[tile] as usize..chunk.starts[tile + 1] as usize;
+                for record in &chunk.records.as_chunks::<R>().0[run] {
+                    let places: [(usize, f64); D] = std::array::from_fn(|a| axes[a].locate(record[a]));
+                    let mut values: [[f64; L]; D] = std::array::from_fn(|a| values::<FMA, L>(&axes[a].kernel, places[a].1));
+                    if R > D {
+                        let weight = f64::from_bits(record[D]);
+                        values[D - 1].iter_mut().for_each(|v| *v *= weight);
+                    }
+                    let start: usize = (0..D).map(|a| places[a].0 * steps[a]).sum();
+                    let cells = &mut self.cells[start - self.first * steps[D - 1]..];
+                    match D {
+                        1 => add::<FMA, L>(cells, 1.0, &values[0]),
+                        2 => {
+                            for (row, &y) in values[1][..width].iter().enumerate() {
+                                add::<FMA, L>(&mut cells[row * steps[1]..], y, &values[0]);
+                            }
+                        }
+                        _ => {
+                            for (plane, &z) in values[2][..width].iter().enumerate() {
+                                for (row, &y) in values[1][..width].iter().enumerate() {
+                                    add::<FMA, L>(&mut cells[plane * steps[2] + row * steps[1]..], y * z, &values[0]);
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if FMA { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// All pieces of the kernel at `u`, by Horner's rule.
+#[inline(always)]
+fn values<const FMA: bool, const L: usize>(kernel: &Kernel, u: f64) -> [f64; L] {
+    let mut values = [0.0; L];
+    for power in kernel.pieces() {
+        for (value, c) in values.iter_mut().zip(power) {
+            *value = fused::<FMA>(*value, u, *c);
+        }
+    }
+    values
+}
+
+/// `cells += factor * values`
+#[inline(always)]
+fn add<const FMA: bool, const L: usize>(cells: &mut [f64], factor: f64, values: &[f64; L]) {
+    if let Some(cells) = cells.first_chunk_mut::<L>() {
+        for (cell, value) in cells.iter_mut().zip(values) {
+            *cell = fused::<FMA>(factor, *value, *cell);
+        }
+    }
+}
