@@ -1,11 +1,12 @@
-//! Raw sums of `wave_power`: over realizations, of `q = |s_m|^2` and what its error needs, per stored mode and ring.
+//! Raw sums of `wave_power`: over realizations, of `q = |s_m|^2` and what its error needs, per stored mode, ring and sector.
 
 use super::ordered_sum::{LEAF, OrderedSum};
 use crate::compute::ComputedBy;
 use crate::error::{Error, Result};
 use crate::plan::Rings;
 
-/// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveVectors`), and of the ring sums of q, with the second
+/// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveVectors`), and of its sums over rings, over
+/// sectors and over the upper half of the rings, with the second
 /// moments that their errors need. Each is compared with the norm `N = sum_j w_j^2` of its realization: n where every point
 /// weighs 1. The additions are ordered by realization index (`OrderedSum`).
 #[derive(Debug, Clone, PartialEq)]
@@ -16,12 +17,14 @@ pub struct WavePower {
     pub realizations: u64,
     modes: usize,
     rings: usize,
+    sectors: usize,
     mode_sums: OrderedSum,
     ring_sums: OrderedSum,
     leaf: Option<Leaf>,
 }
 
-/// The leaf being filled: q of every member, then q^2, then q N; for rings also N and N^2.
+/// The leaf being filled: q of every member, then q^2, then q N. `rings` holds rings, then sectors, then the upper half of the
+/// rings; also N and N^2.
 #[derive(Debug, Clone, PartialEq)]
 struct Leaf {
     index: u64,
@@ -48,6 +51,7 @@ impl WavePower {
             realizations: 0,
             modes,
             rings: rings.count,
+            sectors: rings.sectors.count,
             mode_sums: OrderedSum::default(),
             ring_sums: OrderedSum::default(),
             leaf: None,
@@ -61,11 +65,11 @@ impl WavePower {
         if self.leaf.as_ref().is_some_and(|leaf| leaf.index != index / LEAF) {
             self.close_leaf();
         }
-        let (modes, ring_count) = (self.modes, self.rings);
+        let (modes, ring_count, groups) = (self.modes, self.rings, self.groups());
         let leaf = self.leaf.get_or_insert_with(|| Leaf {
             index: index / LEAF,
             modes: vec![0.0; 3 * modes],
-            rings: vec![0.0; 3 * ring_count + 2],
+            rings: vec![0.0; 3 * groups + 2],
         });
         self.realizations += 1;
         add_moments(&mut leaf.modes, power.iter().map(|&q| q.into()), norm);
@@ -73,8 +77,13 @@ impl WavePower {
         for ((&q, &ring), &times) in power.iter().zip(&rings.ring_of).zip(&rings.times) {
             totals[ring as usize] += f64::from(times) * q.into();
         }
-        let (moments, norms) = leaf.rings.split_at_mut(3 * ring_count);
-        add_moments(moments, totals[1..].iter().copied(), norm);
+        let mut sectors = vec![0.0; self.sectors + 1];
+        for ((&q, &sector), &times) in power.iter().zip(&rings.sectors.sector_of).zip(&rings.times) {
+            sectors[sector as usize] += f64::from(times) * q.into();
+        }
+        let upper: f64 = totals[1 + ring_count / 2..].iter().sum();
+        let (moments, norms) = leaf.rings.split_at_mut(3 * groups);
+        add_moments(moments, totals[1..].iter().chain(&sectors[1..]).copied().chain([upper]), norm);
         norms[0] += norm;
         norms[1] += norm * norm;
         // A full leaf is closed at once, so that equal content is held in equal form.
@@ -96,8 +105,9 @@ impl WavePower {
     pub fn merge(&mut self, mut other: Self) -> Result<()> {
         self.close_leaf();
         other.close_leaf();
-        if (self.modes, self.rings) != (other.modes, other.rings) {
-            let reason = format!("{} modes cannot be merged with {}", self.modes, other.modes);
+        let kind = |p: &Self| (p.modes, p.rings, p.sectors);
+        if kind(self) != kind(&other) {
+            let reason = format!("{} modes cannot be merged with {}, or the sectors differ", self.modes, other.modes);
             return Err(Error::input("wave power", reason));
         }
         if self.mode_sums.overlaps(&other.mode_sums) {
@@ -126,9 +136,30 @@ impl WavePower {
 
     /// The totals per ring.
     pub fn ring_totals(&self) -> PowerMoments {
+        self.group_totals(0..self.rings)
+    }
+
+    /// The totals per sector.
+    pub fn sector_totals(&self) -> PowerMoments {
+        self.group_totals(self.rings..self.rings + self.sectors)
+    }
+
+    /// The totals of rings `count / 2 + 1` to `count` together: one value.
+    pub fn upper_totals(&self) -> PowerMoments {
+        self.group_totals(self.groups() - 1..self.groups())
+    }
+
+    /// Rings, sectors, and the upper half of the rings.
+    fn groups(&self) -> usize {
+        self.rings + self.sectors + 1
+    }
+
+    fn group_totals(&self, range: std::ops::Range<usize>) -> PowerMoments {
         let mut totals = self.ring_sums();
-        totals.truncate(3 * self.rings);
-        PowerMoments::of(totals, self.rings)
+        totals.truncate(3 * self.groups());
+        let all = PowerMoments::of(totals, self.groups());
+        let part = |v: &[f64]| v[range.clone()].to_vec();
+        PowerMoments { q: part(&all.q), q_squared: part(&all.q_squared), q_n: part(&all.q_n) }
     }
 
     /// The sums of N and N^2 over realizations.

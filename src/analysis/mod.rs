@@ -22,7 +22,7 @@ use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
     RadialSpectrum, VectorCorrelation,
 };
-use crate::plan::{Accuracy, Convention, Correction, EnsembleShape, LagPlan};
+use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, Taper, TaperPlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -218,9 +218,14 @@ pub fn run(
             warnings.push(format!("P reaches |m| = {reach} only, to bound its memory; --max-frequency asks for more"));
         }
     }
-    if plan.waves.is_some() && !source.domain().is_torus() {
-        let warning = "P in a window is the plain periodogram at the window's own frequencies m / L: without a taper, \
-                       what the window cuts off leaks into the lowest frequencies";
+    if plan.waves.as_ref().and_then(|w| w.taper).is_some_and(|t| t.taper == Taper::Bartlett) {
+        let warning =
+            "P in a window has Bartlett's taper: large P leaks into frequencies around it; --taper sine leaks less";
+        warnings.push(warning.to_string());
+    }
+    let unremoved = |t: TaperPlan| t.debias == Debias::None;
+    if plan.waves.as_ref().is_some_and(|w| w.tapered().is_some() && w.taper.is_some_and(unremoved)) {
+        let warning = "--debias none leaves the transform of the window in P: at low frequencies it grows with n";
         warnings.push(warning.to_string());
     }
     let empty = kernel.as_ref().map_or(0, |k| k.r.iter().zip(&k.g).filter(|(r, g)| **r > 0.0 && g.is_none()).count());

@@ -8,8 +8,9 @@ use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
 use crate::estimate::Normalization;
 use crate::plan::{
-    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, EnsembleShape, Kernel, KernelPlan,
-    LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid, WaveList, WavePlan, WaveVectors,
+    Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape,
+    Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, TaperPlan, WaveGrid,
+    WaveList, WavePlan, WaveVectors,
 };
 use crate::points::Domain;
 use crate::points::read::{read_edges, read_frequencies};
@@ -125,7 +126,15 @@ impl Plan {
                 (None, None) => WaveVectors::from(WaveGrid::new(&frequencies)?),
             };
             let plan = WavePlan::new(domain, waves, request.accuracy, shape)?;
-            Some(plan.with_convention(request.convention, request.bug_compatible)?)
+            let plan =
+                plan.with_taper(taper(request, domain)?).with_convention(request.convention, request.bug_compatible)?;
+            // Directions of what is not 2D are refused, in their own words; rings of others have none.
+            let default = domain.dim() == 2 && request.convention == Convention::Ours;
+            let sectors = request.sectors.or(default.then_some(DEFAULT_SECTORS));
+            Some(match sectors {
+                Some(count) => plan.with_sectors(count)?,
+                None => plan,
+            })
         } else {
             None
         };
@@ -399,6 +408,22 @@ fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
     LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
 }
 
+/// The tapers a request asks for.
+fn taper(request: &Request, domain: &Domain) -> Result<TaperPlan> {
+    let given = [
+        ("--taper", request.taper.map(|t| t.to_string())),
+        ("--tapers", request.tapers.map(|n| n.to_string())),
+        ("--debias", request.debias.map(|d| d.to_string())),
+    ];
+    for (flag, value) in given {
+        if let Some(value) = value.filter(|_| domain.is_torus()) {
+            return Err(Error::setting(flag, value, "is about a window; a torus cuts nothing off"));
+        }
+    }
+    let (kind, debias) = (request.taper.unwrap_or_default(), request.debias.unwrap_or_default());
+    TaperPlan::new(kind, request.tapers, debias, domain.dim())
+}
+
 /// Whether the program of a convention could have done what is asked for.
 pub(super) fn check_convention(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<()> {
     request.convention.check(domain, request.bug_compatible)?;
@@ -419,6 +444,7 @@ pub(super) fn check_convention(request: &Request, domain: &Domain, shape: Ensemb
         ("--weight-column", request.input.weight_column.is_some(), "has no weights of points"),
         ("--frequencies", request.frequencies.is_some(), "has a grid of its own"),
         ("--ring-directions", request.ring_directions.is_some(), "takes every wave vector of a ring"),
+        ("--sectors", request.sectors.is_some(), "has no directions"),
         ("--r-max", theirs && request.r_max.is_some(), "has bins of its own"),
         ("--bins", theirs && request.bins.is_some(), "has bins of its own"),
         ("--bin-scale", theirs && request.bin_scale.is_some(), "has bins of its own"),
@@ -435,14 +461,14 @@ pub(super) fn check_convention(request: &Request, domain: &Domain, shape: Ensemb
 
 /// The bins a request asks for.
 fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBins> {
-    if let Some((bins, distances)) = request.convention.pair_bins(mean_points as u64) {
-        let r_max = distances * domain.closest_packing_distance(mean_points);
+    if let Some((bins, width)) = request.convention.pair_bins(mean_points as u64) {
+        let width = width * domain.shortest_side();
         if bins == 0 {
             let reason = "has n/8 bins of g, so that it needs at least 8 points";
             return Err(Error::setting("--convention", request.convention, reason));
         }
         // Beyond half the diagonal of a torus there are no pairs.
-        let edges = (0..=bins).map(|k| r_max * (k as f64 / bins as f64));
+        let edges = (0..=bins).map(|k| k as f64 * width);
         return RadialBins::from_edges(edges.take_while(|&r| r <= domain.half_diagonal()).collect());
     }
     if let Some(path) = &request.edges {

@@ -1,27 +1,43 @@
 //! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
 
+mod angular_spectrum;
+mod axis_slices;
+mod blue_noise;
+mod confidence;
 mod cross_correlation;
 mod cross_validation;
+mod diaphony;
 mod envelope;
 mod k_function;
+mod low_frequency;
 mod mode_band;
 mod neighbors;
 mod pair_correlation;
 mod pair_kernel;
 mod power_spectrum;
+mod psa_statistics;
 mod radial_spectrum;
 mod ratio;
+mod spectrum_scalars;
 mod vector_correlation;
 
+pub use angular_spectrum::{AngularSpectrum, SectorPower};
+pub use axis_slices::{AxisMode, AxisSlices};
+pub use blue_noise::BlueNoise;
+pub use confidence::{Band, BandLaw, CONFIDENCE, MANY_ORDINATES, MANY_REALIZATIONS};
 pub use cross_correlation::CrossCorrelation;
 pub use cross_validation::CrossValidation;
+pub use diaphony::Diaphony;
 pub use envelope::{Curve, Envelope};
 pub use k_function::KFunction;
+pub use low_frequency::LowFrequency;
 pub use neighbors::{BondOrder, NeighborDistances, NeighborFunctions, Neighbors};
 pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;
+pub use psa_statistics::PsaStatistics;
 pub use radial_spectrum::{RadialSpectrum, Ring};
+pub use spectrum_scalars::{HighFrequency, SpectrumScalars};
 pub use vector_correlation::{SectorCorrelation, VectorCorrelation};
 
 /// Where an error bar comes from. Every output says which.

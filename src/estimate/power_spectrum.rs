@@ -1,5 +1,6 @@
 //! Wave power -> the power spectrum P(m) on the integer grid.
 
+use super::confidence::Realizations;
 use super::{ErrorSource, ratio_standard_error};
 use crate::accumulate::{PowerMoments, WavePower};
 use crate::plan::{WavePlan, WaveVectors};
@@ -24,7 +25,7 @@ impl PowerSpectrum {
     /// The estimate.
     pub fn new(plan: &WavePlan, power: &WavePower) -> Self {
         let modes = power.mode_totals();
-        let (mut p, mut p_se) = ratio_estimate(power, &modes, |_| 1.0, |_| 1.0);
+        let (mut p, mut p_se) = ratio_estimate(power, &modes, |_| 1.0, |_| plan.tapers());
         if let Some(dc) = plan.waves.dc().filter(|_| plan.dc_cleared()) {
             (p[dc], p_se[dc]) = (0.0, 0.0);
         }
@@ -41,6 +42,12 @@ impl PowerSpectrum {
         let dc = self.waves.dc()?;
         Some((self.p[dc], self.p_se[dc]))
     }
+}
+
+/// The realizations behind sums of power.
+pub(super) fn realizations(power: &WavePower) -> Realizations {
+    let [n1, n2] = power.norm_totals();
+    Realizations { count: power.realizations, effective: n1 * n1 / n2 }
 }
 
 /// `P` and its standard error from the moments of q (or of ring sums of q over `members` modes). `independent` is the

@@ -1,6 +1,7 @@
 //! Wave power -> radial mean and anisotropy.
 
-use super::power_spectrum::ratio_estimate;
+use super::confidence::Band;
+use super::power_spectrum::{ratio_estimate, realizations};
 use super::{ErrorSource, PowerSpectrum};
 use crate::accumulate::WavePower;
 use crate::plan::{Convention, WavePlan};
@@ -12,6 +13,8 @@ pub struct Ring {
     pub nu_lo: f64,
     /// Label, `k / max L`.
     pub nu: f64,
+    /// k: `nu` in units of the fundamental `1 / max L`.
+    pub m: f64,
     /// Upper end.
     pub nu_hi: f64,
     /// Modes of the whole grid in the ring.
@@ -22,6 +25,8 @@ pub struct Ring {
     pub p: f64,
     /// Standard error of `p`: across realizations, or for K = 1 `p / sqrt(independent_modes)`.
     pub p_se: f64,
+    /// Confidence band of `p`.
+    pub band: Option<Band>,
     /// `10 log10(s^2 / p^2)` in dB, `s^2` the variance (ddof 1) of the K-averaged P over the ring's independent modes.
     /// `None` where undefined: a single independent mode, no spread at all, or P below what the accuracy resolves.
     pub anisotropy_db: Option<f64>,
@@ -34,7 +39,8 @@ pub struct Ring {
 pub struct RadialSpectrum {
     /// The rings, from the fundamental upward.
     pub rings: Vec<Ring>,
-    /// What the anisotropy of an isotropic spectrum would be: `-10 log10 K` dB.
+    /// What the anisotropy of an isotropic spectrum would be: `-10 log10 K` dB, with `K = (sum N)^2 / sum N^2` where the
+    /// norms N of realizations differ (n varies, or points have weights).
     pub anisotropy_reference_db: f64,
     /// Where `p_se` comes from.
     pub errors: ErrorSource,
@@ -47,10 +53,10 @@ impl RadialSpectrum {
     pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
         let ring_moments = power.ring_totals();
         let modes = |k: usize| plan.rings.modes[k] as f64;
-        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| plan.rings.independent[k] as f64);
+        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| ordinates(plan, k));
         let p_se = without_dc(plan, power, spectrum, &p, p_se);
         let spread = spread(plan, &spectrum.p, &p);
-        let realizations = power.realizations as f64;
+        let realizations = realizations(power);
         let rings = (0..plan.rings.count)
             .map(|k| {
                 let independent = plan.rings.independent[k];
@@ -60,16 +66,18 @@ impl RadialSpectrum {
                     independent >= 2 && resolved && variance > (plan.accuracy.relative_noise() * p[k]).powi(2);
                 // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
                 // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).
-                let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations * independent as f64);
+                let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations.effective * independent as f64);
                 let [nu_lo, nu, nu_hi] = plan.rings.bounds[k];
                 Ring {
                     nu_lo,
                     nu,
+                    m: whole(nu / plan.rings.fundamental),
                     nu_hi,
                     modes: plan.rings.modes[k],
                     independent_modes: independent,
                     p: p[k],
                     p_se: p_se[k],
+                    band: Band::new(p[k], p_se[k], realizations, ordinates(plan, k)),
                     anisotropy_db: match plan.convention {
                         Convention::Utk | Convention::Pspec => None,
                         Convention::Psa if plan.bug_compatible && !resolved => Some(0.0),
@@ -82,13 +90,23 @@ impl RadialSpectrum {
         Self {
             rings,
             anisotropy_reference_db: match plan.convention {
-                Convention::Psa if plan.bug_compatible && power.realizations > 1 => -realizations,
+                Convention::Psa if plan.bug_compatible && power.realizations > 1 => -(realizations.count as f64),
                 // 0 - 0 is 0, where -0 would be printed as such.
-                _ => 0.0 - 10.0 * realizations.log10(),
+                _ => 0.0 - 10.0 * (realizations.effective * plan.tapers()).log10(),
             },
             errors: ErrorSource::of(power.realizations),
         }
     }
+}
+
+/// `x` without the rounding of a product divided again.
+fn whole(x: f64) -> f64 {
+    if (x - x.round()).abs() <= 1e-9 * x { x.round() } else { x }
+}
+
+/// Independent exponential ordinates in ring k.
+fn ordinates(plan: &WavePlan, k: usize) -> f64 {
+    plan.rings.independent[k] as f64 / plan.ring_variance()
 }
 
 /// The theory's standard errors, where DC is a member of its ring: it is the same for all points, so that only the others

@@ -1,7 +1,7 @@
 //! Whose grid, rings, labels and normalization the radial spectrum has. What each program does, and what is wrong with it:
 //! `docs/conventions.md`.
 
-use super::{WaveGrid, WavePlan};
+use super::{Debias, WaveGrid, WavePlan};
 use crate::error::{Error, Result};
 use crate::points::Domain;
 
@@ -92,9 +92,13 @@ impl Convention {
         }
     }
 
-    /// Bins of its g: how many, up to how many closest-packing distances; `None` where g is ours.
+    /// Bins of its g for n points on the unit torus: how many, and their width, an eighth of n up to 8 closest-packing
+    /// distances, as PSA computes them in single precision; `None` where g is ours.
     pub fn pair_bins(self, n: u64) -> Option<(usize, f64)> {
-        (self == Self::Psa).then_some(((0.125 * n as f64) as usize, 8.0))
+        let bins = (0.125f32 * n as f32) as usize;
+        let packed = (2.0 / (3f64.sqrt() * n as f64)) as f32;
+        let r_max = 8f32 / (1f32 / packed.sqrt());
+        (self == Self::Psa).then(|| (bins, f64::from(r_max / bins.max(1) as f32)))
     }
 
     /// What the columns `nu_lo`, `nu` and `nu_hi` are.
@@ -139,9 +143,10 @@ impl WavePlan {
         Ok(Self { rings, convention, bug_compatible, ..self })
     }
 
-    /// Whether P(0) is set to 0.
+    /// Whether P(0) is set to 0: by UTK, and by the debiasing of a window whose P is otherwise the plain periodogram.
     pub fn dc_cleared(&self) -> bool {
-        self.bug_compatible && self.convention == Convention::Utk
+        let debiased = self.tapered().is_none() && self.taper.is_some_and(|t| t.debias != Debias::None);
+        debiased || self.bug_compatible && self.convention == Convention::Utk
     }
 }
 

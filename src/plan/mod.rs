@@ -18,6 +18,7 @@ mod taper;
 mod wave_grid;
 mod wave_plan;
 mod wave_rings;
+mod wave_sectors;
 mod wave_vectors;
 
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
@@ -35,10 +36,11 @@ pub use pair_search::{PairSearch, SearchCosts, SearchEstimate};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use ring_directions::RING_DIRECTIONS_RULE;
 pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
-pub use taper::{Debias, Taper};
+pub use taper::{Debias, Taper, TaperPlan};
 pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
 pub use wave_plan::{WavePlan, WaveRoad};
 pub use wave_rings::Rings;
+pub use wave_sectors::{DEFAULT_SECTORS, MAX_SECTORS, Sectors};
 pub use wave_vectors::{WaveList, WaveVectors};
 
 /// Number of points per realization, as far as a plan must know it.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, Batch, Convention, EnsembleShape, RING_DIRECTIONS_RULE, Rings, WaveVectors};
+use super::{Accuracy, Batch, Convention, EnsembleShape, RING_DIRECTIONS_RULE, Rings, Sectors, TaperPlan, WaveVectors};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
 
@@ -27,6 +27,8 @@ pub struct WavePlan {
     pub waves: WaveVectors,
     /// Their rings.
     pub rings: Rings,
+    /// Tapers, in a window.
+    pub taper: Option<TaperPlan>,
     /// Whose rings they are.
     pub convention: Convention,
     /// Whether the defects of that program are wanted too.
@@ -68,6 +70,7 @@ impl WavePlan {
             domain: domain.clone(),
             waves,
             rings,
+            taper: (!domain.is_torus()).then(TaperPlan::default),
             convention: Convention::Ours,
             bug_compatible: false,
             rings_only: false,
@@ -83,6 +86,12 @@ impl WavePlan {
         self.rings_only.then_some(&self.rings.ring_of)
     }
 
+    /// The same with power summed by direction (2D).
+    pub fn with_sectors(mut self, count: usize) -> Result<Self> {
+        self.rings.sectors = Sectors::new(count, &self.waves, &self.rings, &self.domain)?;
+        Ok(self)
+    }
+
     /// Floating-point operations of the matrix products: 8 per point, row and column.
     pub fn flop(&self) -> f64 {
         let per_point = match &self.waves {
@@ -92,7 +101,7 @@ impl WavePlan {
             }
             WaveVectors::List(list) => 4.0 * list.vectors.len() as f64,
         };
-        per_point * self.shape.realizations as f64 * self.shape.mean_points
+        self.tapers() * per_point * self.shape.realizations as f64 * self.shape.mean_points
     }
 }
 
@@ -113,6 +122,9 @@ impl fmt::Display for WavePlan {
             "  separable direct sum, accuracy {}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points",
             self.accuracy.name()
         )?;
+        if let Some(taper) = &self.taper {
+            writeln!(f, "  {taper}")?;
+        }
         writeln!(f, "  {}", self.batch)?;
         if matches!(&self.waves, WaveVectors::List(list) if list.mirrored) {
             writeln!(f, "  {RING_DIRECTIONS_RULE}")?;

@@ -1,7 +1,7 @@
 //! Rings of constant frequency.
 
 use super::convention::RingRule;
-use super::{WaveGrid, WaveVectors};
+use super::{Sectors, WaveGrid, WaveVectors};
 use crate::points::Domain;
 
 /// Rings of constant frequency: which stored modes each of them holds.
@@ -21,6 +21,8 @@ pub struct Rings {
     pub modes: Vec<u64>,
     /// How many of them are independent: P(-m) = P(m).
     pub independent: Vec<u64>,
+    /// Sectors of direction, over all rings.
+    pub sectors: Sectors,
 }
 
 impl Rings {
@@ -50,7 +52,7 @@ impl Rings {
         }
         let bounds = (1..=count).map(|k| [-0.5, 0.0, 0.5].map(|d| (k as f64 + d) * fundamental)).collect();
         let independent = modes.iter().map(|m| m / 2).collect();
-        Self { fundamental, count, bounds, ring_of, times, modes, independent }
+        Self { fundamental, count, bounds, ring_of, times, modes, independent, sectors: Sectors::default() }
     }
 
     /// The rings of another program, lowest edge as label, in cycles per side over `rule.unit`. With `dc_cleared`, P(0) is
@@ -81,7 +83,8 @@ impl Rings {
         let edge = |k: usize| k as f64 * rule.width / rule.unit;
         let bounds = (first..modes.len()).map(|k| [edge(k), edge(k), edge(k + 1)]).collect();
         let (modes, independent) = (modes.split_off(first), independent.split_off(first));
-        Self { fundamental: 1.0 / rule.unit, count: modes.len(), bounds, ring_of, times, modes, independent }
+        let (fundamental, count) = (1.0 / rule.unit, modes.len());
+        Self { fundamental, count, bounds, ring_of, times, modes, independent, sectors: Sectors::default() }
     }
 
     /// No rings.
@@ -94,6 +97,7 @@ impl Rings {
             times: vec![0; stored],
             modes: Vec::new(),
             independent: Vec::new(),
+            sectors: Sectors::default(),
         }
     }
 }

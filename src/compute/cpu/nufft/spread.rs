@@ -74,7 +74,8 @@ impl FineGrid {
     pub(super) fn new(axes: Vec<(usize, usize, Kernel)>, level: SimdLevel) -> Self {
         let shifts = TILE_SHIFTS[axes.len() - 1];
         let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, Kernel))| {
-            let stored = if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
+            let stored =
+                if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
             Axis { axis, cells, stored, kernel, tile_shift: shifts[a] }
         };
         let mut grid = Self { axes: axes.into_iter().enumerate().map(axis).collect(), level };
@@ -279,7 +280,8 @@ impl Band<'_> {
                 let run = chunk.starts[tile] as usize..chunk.starts[tile + 1] as usize;
                 for record in &chunk.records.as_chunks::<R>().0[run] {
                     let places: [(usize, f64); D] = std::array::from_fn(|a| axes[a].locate(record[a]));
-                    let mut values: [[f64; L]; D] = std::array::from_fn(|a| values::<FMA, L>(&axes[a].kernel, places[a].1));
+                    let mut values: [[f64; L]; D] =
+                        std::array::from_fn(|a| values::<FMA, L>(&axes[a].kernel, places[a].1));
                     if R > D {
                         let weight = f64::from_bits(record[D]);
                         values[D - 1].iter_mut().for_each(|v| *v *= weight);
