@@ -20,7 +20,7 @@ use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
-    RadialSpectrum, VectorCorrelation,
+    PsaStatistics, RadialSpectrum, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, Taper, TaperPlan};
 use crate::points::{Domain, Ensemble};
@@ -64,6 +64,8 @@ pub struct Analysis {
     pub convention: Convention,
     /// Whether with the defects of that program.
     pub bug_compatible: bool,
+    /// What PSA says of the spectrum, by its own route.
+    pub psa: Option<PsaStatistics>,
     /// Nearest-neighbour statistics.
     pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
@@ -262,6 +264,12 @@ pub fn run(
         }
         _ => None,
     };
+    let psa = PsaStatistics::new(shape.max_points, &sums.psa);
+    if request.convention == Convention::Psa && plan.waves.is_some() && psa.is_none() {
+        warnings.push(
+            "effective Nyquist frequency and oscillation by PSA's route are left out: too many sets or points".into(),
+        );
+    }
     let closed_form = match request.convention {
         Convention::Ours => closed_form(source, &plan, request.normalization, pair_correlation.as_ref()),
         // Closed forms are at the centres of our bins and rings.
@@ -286,6 +294,7 @@ pub fn run(
         radial,
         convention: request.convention,
         bug_compatible: request.bug_compatible,
+        psa,
         neighbors,
         closed_form,
         accuracy: request.accuracy,

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
-use crate::estimate::Normalization;
+use crate::estimate::{Normalization, PsaStatistics};
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, DEFAULT_RINGS, DEFAULT_SECTORS, EnsembleShape,
     Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, TaperPlan, WaveGrid,
@@ -26,6 +26,8 @@ pub struct Plan {
     pub(super) psa_bins: bool,
     /// Whether with the defects of that program.
     pub(super) bug_compatible: bool,
+    /// Distances from which PSA takes its statistics of the spectrum.
+    pub(super) psa: Option<PairPlan>,
     pub(super) pairs: Option<PairPlan>,
     /// Two classes of points whose own g and whose g with each other is wanted.
     pub(super) classes: Option<Classes>,
@@ -50,6 +52,9 @@ const RING_GRID: usize = 128;
 
 /// Values of simulated curves held at a time: 1 GiB.
 const MAX_SIMULATED: u64 = 1 << 27;
+
+/// Most bins of PSA's distances: as many Bessel functions squared. Reached at 100,000 points.
+pub(super) const MAX_PSA_BINS: usize = 32_000;
 
 impl Plan {
     /// Decides from the request and its points.
@@ -138,6 +143,7 @@ impl Plan {
         } else {
             None
         };
+        let psa = psa_pairs(request, domain, shape)?.filter(|_| waves.is_some());
         let batches = [
             pairs.as_ref().map(|p| p.batch),
             kernel.as_ref().map(|k| k.pairs.batch),
@@ -146,6 +152,7 @@ impl Plan {
             rings.as_ref().map(|l| l.batch),
             waves.as_ref().map(|w| w.batch),
             neighbors.as_ref().map(|n| n.batch),
+            psa.as_ref().map(|p| p.batch),
         ];
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(1);
         let grid_wanted = wants(Statistic::Spectrum);
@@ -163,6 +170,7 @@ impl Plan {
             pcf,
             psa_bins: request.convention == Convention::Psa,
             bug_compatible: request.bug_compatible,
+            psa,
             pairs,
             kernel,
             search,
@@ -193,6 +201,7 @@ impl Plan {
         Self {
             pairs: self.pairs.map(suited),
             classes: self.classes.map(|c| Classes { pairs: suited(c.pairs), ..c }),
+            psa: self.psa.map(suited),
             kernel: self.kernel.map(|k| KernelPlan { pairs: suited(k.pairs), ..k }),
             search: self.search.map(|s| BandwidthSearch { pairs: suited(s.pairs), ..s }),
             ..self
@@ -204,6 +213,7 @@ impl Plan {
         let neighbors = self.neighbors.clone().map(|n| NeighborPlan { bonds: false, ..n });
         Self {
             classes: None,
+            psa: None,
             lags: None,
             rings: None,
             waves: None,
@@ -337,6 +347,9 @@ impl fmt::Display for Plan {
         if let Some(waves) = &self.waves {
             write!(f, "{waves}")?;
         }
+        if let Some(psa) = &self.psa {
+            write!(f, "for PSA's effective Nyquist frequency and oscillation: {psa}")?;
+        }
         if let Some(neighbors) = &self.neighbors {
             write!(f, "{neighbors}")?;
         }
@@ -406,6 +419,17 @@ fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
     let half = if largest > 0.0 { (1.02 * largest).min(limit) } else { limit };
     let grid = LagGrid::new(domain, RING_GRID, Some(half))?;
     LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
+}
+
+/// The distances from which PSA takes its statistics of the spectrum, unless they are too many for its cubic sums.
+fn psa_pairs(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Option<PairPlan>> {
+    let bins = PsaStatistics::bins(shape.max_points);
+    let few = bins <= MAX_PSA_BINS && bins as u64 * shape.realizations <= MAX_SIMULATED;
+    if request.convention != Convention::Psa || shape.max_points < 2 || !few {
+        return Ok(None);
+    }
+    let bins = RadialBins::linear(domain.shortest_side() / 2.0, bins)?;
+    PairPlan::new(domain, bins, Correction::None, shape).map(Some)
 }
 
 /// The tapers a request asks for.

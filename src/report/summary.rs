@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization};
+use crate::estimate::{BondOrder, CrossValidation, ErrorSource, NeighborDistances, Normalization, PsaStatistics};
 use crate::plan::{
     Convention, Correction, Divisor, Kernel, KernelRoad, PowerBound, RING_DIRECTIONS_RULE, WaveGrid, WaveVectors,
 };
@@ -171,6 +171,9 @@ struct ConventionOut {
     spectrum_radial: &'static str,
     /// What `r` of `pcf.csv` is.
     pcf: &'static str,
+    /// By PSA's own route through the pair counts.
+    #[serde(flatten)]
+    psa: Option<PsaStatistics>,
 }
 
 #[derive(Serialize)]
@@ -313,6 +316,7 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             bug_compatible: a.bug_compatible,
             spectrum_radial: a.convention.labels(),
             pcf: a.convention.pair_labels(),
+            psa: a.psa,
         }),
         neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
             distances: n.distances,
