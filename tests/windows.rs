@@ -241,13 +241,14 @@ fn random_points_have_the_expected_mean() {
     }
 }
 
-/// One realization: what the theory says of the scatter of a ring is what many realizations show.
+/// One realization: what the theory says of the scatter of a ring bounds from above what many realizations show, and is
+/// not far from it for the first taper, whose correlations reach only to the next frequency.
 #[test]
 fn errors_of_a_single_realization_are_those_of_many() {
     let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
     let grid = WaveGrid::new(&[12, 12]).unwrap();
     let cpu = Cpu::new(None).unwrap();
-    for orders in [1, 2] {
+    for (orders, least) in [(1, 0.7), (2, 0.5)] {
         let taper = TaperPlan::new(Taper::Sine, Some(orders), Debias::Direct, 2).unwrap();
         let rings = |points: &Ensemble| {
             let plan = plan(points, grid, taper);
@@ -261,7 +262,7 @@ fn errors_of_a_single_realization_are_those_of_many() {
             // The standard deviation of one realization, from 300 of them, is known to about 1/24.
             let (seen, theory) = (many[k].p_se * 300f64.sqrt(), one[k].p_se / one[k].p);
             let ratio = seen / theory;
-            assert!((0.75..1.25).contains(&ratio), "{orders} tapers, ring {k}: {seen}, {theory}");
+            assert!((least..1.1).contains(&ratio), "{orders} tapers, ring {k}: {seen}, {theory}");
         }
     }
 }

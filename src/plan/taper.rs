@@ -124,9 +124,10 @@ impl TaperPlan {
         self.orders.pow(dim as u32)
     }
 
-    /// How much larger tapers make the variance of a mean of P over neighbouring frequencies m / L, which they correlate:
+    /// How much larger tapers make the variance of a mean of P over many neighbouring frequencies m / L, which they correlate:
     /// the sum over lags of the squared correlation of amplitudes, averaged over tapers, `prod_k integral (mean_p f_p^2)^2
-    /// du = (1 + 1 / (2 N))^d` by Parseval for N sine tapers per axis.
+    /// du = (1 + 1 / (2 N))^d` by Parseval for N sine tapers per axis. An upper bound for rings, out of which part of the lags
+    /// leads.
     pub fn ring_variance(&self, dim: usize) -> f64 {
         match self.taper {
             Taper::Bartlett => 1.0,
