@@ -58,7 +58,7 @@ impl Case {
     fn amplitude(&self, m: [i32; 3]) -> Complex<f64> {
         let axes = self.views();
         let term = |j: usize| {
-            let (sin, cos) = (std::f64::consts::TAU * phase_turns(&axes, m, j)).sin_cos();
+            let (sin, cos) = (std::f64::consts::TAU * phase_turns(&axes, m.map(f64::from), j)).sin_cos();
             Complex::new(cos, -sin) * self.weights.as_ref().map_or(1.0, |w| w[j])
         };
         (0..self.axes[0].len()).map(term).sum()

@@ -22,8 +22,8 @@ use pairwave::estimate::{
     PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use pairwave::plan::{
-    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan, PairSettings,
-    RadialBins, Rings, SmoothingKernel, WaveGrid,
+    Accuracy, Bandwidth, Convention, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan,
+    PairSettings, RadialBins, Rings, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
@@ -65,6 +65,9 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
         radial: Some(radial),
         details: Some(details),
         covariance: None,
+        convention: Convention::Ours,
+        bug_compatible: false,
+        psa: None,
         neighbors: Some(neighbors(&ensemble)),
         closed_form: ClosedForm::default(),
         accuracy: Accuracy::High,

@@ -13,16 +13,16 @@ pub use envelope::Envelopes;
 use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
-use plan::check_points;
+use plan::{check_convention, check_points};
 
 use crate::accumulate::LagCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
     AmplitudeCovariance, CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation,
-    PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
+    PowerSpectrum, PsaStatistics, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
-use crate::plan::{Accuracy, Correction, EnsembleShape, LagPlan};
+use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, Taper, TaperPlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -64,6 +64,12 @@ pub struct Analysis {
     pub details: Option<SpectrumDetails>,
     /// Covariance of the amplitudes of low frequencies.
     pub covariance: Option<AmplitudeCovariance>,
+    /// Whose rings and labels these are.
+    pub convention: Convention,
+    /// Whether with the defects of that program.
+    pub bug_compatible: bool,
+    /// What PSA says of the spectrum, by its own route.
+    pub psa: Option<PsaStatistics>,
     /// Nearest-neighbour statistics.
     pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
@@ -120,9 +126,10 @@ impl Estimates {
         let pairs = plan.pairs.as_ref().zip(sums.pairs.as_ref());
         let kernel = plan.kernel.as_ref().zip(sums.kernel.as_ref());
         Self {
-            pair_correlation: pairs
-                .filter(|_| plan.pcf)
-                .map(|(plan, sums)| PairCorrelation::new(plan, sums, normalization)),
+            pair_correlation: pairs.filter(|_| plan.pcf).map(|(pairs, sums)| {
+                let g = PairCorrelation::new(pairs, sums, normalization);
+                if plan.psa_bins { g.as_psa(pairs, plan.bug_compatible) } else { g }
+            }),
             k_function: pairs
                 .and_then(|(plan, sums)| KFunction::new(plan, sums, normalization, measured.shape().mean_points)),
             kernel: kernel.map(|(plan, sums)| KernelEstimate {
@@ -161,6 +168,7 @@ pub fn run(
     // A sampler that draws n is only now known to have drawn enough.
     let shape = measured.shape();
     check_points(plan.pairs.is_some() || plan.lags.is_some() || plan.neighbors.is_some(), shape)?;
+    check_convention(request, source.domain(), shape)?;
     progress(Progress { stage: "estimates", done: total, total });
     let estimates = clock.time("estimates", || Estimates::new(&measured, request.normalization));
     let envelopes = (plan.simulations > 0)
@@ -216,9 +224,14 @@ pub fn run(
             warnings.push(format!("P reaches |m| = {reach} only, to bound its memory; --max-frequency asks for more"));
         }
     }
-    if plan.waves.is_some() && !source.domain().is_torus() {
-        let warning = "P in a window is the plain periodogram at the window's own frequencies m / L: without a taper, \
-                       what the window cuts off leaks into the lowest frequencies";
+    if plan.waves.as_ref().and_then(|w| w.taper).is_some_and(|t| t.taper == Taper::Bartlett) {
+        let warning =
+            "P in a window has Bartlett's taper: large P leaks into frequencies around it; --taper sine leaks less";
+        warnings.push(warning.to_string());
+    }
+    let unremoved = |t: TaperPlan| t.debias == Debias::None;
+    if plan.waves.as_ref().is_some_and(|w| w.tapered().is_some() && w.taper.is_some_and(unremoved)) {
+        let warning = "--debias none leaves the transform of the window in P: at low frequencies it grows with n";
         warnings.push(warning.to_string());
     }
     if plan.covariance.is_some() && shape.realizations == 1 {
@@ -261,7 +274,7 @@ pub fn run(
         _ => None,
     };
     let details = match (&plan.waves, &sums.waves, &spectrum, &radial) {
-        (Some(plan), Some(sums), Some(spectrum), Some(radial)) => {
+        (Some(plan), Some(sums), Some(spectrum), Some(radial)) if request.convention == Convention::Ours => {
             // Lag counts take every point alike.
             let vector = vector.as_ref().filter(|_| request.input.weight_column.is_none());
             Some(SpectrumDetails::new(plan, sums, spectrum, radial, pair_correlation.as_ref(), vector))
@@ -270,7 +283,17 @@ pub fn run(
     };
     let covariance = plan.covariance.as_ref().zip(sums.covariance.as_ref());
     let covariance = covariance.map(|(plan, sums)| AmplitudeCovariance::new(plan, sums));
-    let closed_form = closed_form(source, &plan, request.normalization, pair_correlation.as_ref());
+    let psa = PsaStatistics::new(shape.max_points, &sums.psa);
+    if request.convention == Convention::Psa && plan.waves.is_some() && psa.is_none() {
+        warnings.push(
+            "effective Nyquist frequency and oscillation by PSA's route are left out: too many sets or points".into(),
+        );
+    }
+    let closed_form = match request.convention {
+        Convention::Ours => closed_form(source, &plan, request.normalization, pair_correlation.as_ref()),
+        // Closed forms are at the centres of our bins and rings.
+        _ => ClosedForm::default(),
+    };
     clock.add("estimates", start.elapsed().as_secs_f64());
     Ok(Analysis {
         subject: source.subject().to_string(),
@@ -290,6 +313,9 @@ pub fn run(
         radial,
         details,
         covariance,
+        convention: request.convention,
+        bug_compatible: request.bug_compatible,
+        psa,
         neighbors,
         closed_form,
         accuracy: request.accuracy,

@@ -6,10 +6,11 @@ use std::path::Path;
 use super::classes::Classes;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
+use crate::estimate::{Normalization, PsaStatistics};
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, CovariancePlan, DEFAULT_RINGS, DEFAULT_SECTORS,
-    EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, WaveGrid,
-    WaveList, WavePlan, WaveVectors,
+    EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, TaperPlan,
+    WaveGrid, WaveList, WavePlan, WaveVectors,
 };
 use crate::points::Domain;
 use crate::points::read::{read_edges, read_frequencies};
@@ -21,6 +22,12 @@ use crate::source::Source;
 pub struct Plan {
     /// Whether g is wanted, not only K.
     pub(super) pcf: bool,
+    /// Whether its bins are PSA's.
+    pub(super) psa_bins: bool,
+    /// Whether with the defects of that program.
+    pub(super) bug_compatible: bool,
+    /// Distances from which PSA takes its statistics of the spectrum.
+    pub(super) psa: Option<PairPlan>,
     pub(super) pairs: Option<PairPlan>,
     /// Two classes of points whose own g and whose g with each other is wanted.
     pub(super) classes: Option<Classes>,
@@ -47,6 +54,9 @@ const RING_GRID: usize = 128;
 /// Values of simulated curves held at a time: 1 GiB.
 const MAX_SIMULATED: u64 = 1 << 27;
 
+/// Most bins of PSA's distances: as many Bessel functions squared. Reached at 100,000 points.
+pub(super) const MAX_PSA_BINS: usize = 32_000;
+
 impl Plan {
     /// Decides from the request and its points.
     pub fn of(request: &Request, source: &Source) -> Result<Self> {
@@ -63,13 +73,14 @@ impl Plan {
         let (pcf, k_function) = (wants(Statistic::Pcf), wants(Statistic::KFunction));
         check_points(pcf || k_function || wants(Statistic::PcfVector) || wants(Statistic::Neighbors), shape)?;
         refuse_idle_settings(request)?;
+        check_convention(request, domain, shape)?;
         let bins = (pcf || k_function).then(|| bins(request, domain, shape.mean_points)).transpose()?;
         let default_correction = if domain.is_torus() { Correction::None } else { Correction::Translation };
         let correction = request.correction.unwrap_or(default_correction);
         let settings = PairSettings {
             correction,
             cumulative: k_function,
-            beyond_half: request.beyond_half,
+            beyond_half: request.beyond_half || request.convention.pair_bins(shape.max_points).is_some(),
             masses: request.input.weight_column.is_some(),
         };
         if request.beyond_half && !domain.is_torus() {
@@ -109,23 +120,26 @@ impl Plan {
         let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
         let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
             let given = request.max_frequency.as_deref();
-            let frequencies = match given {
-                Some([f]) => vec![*f; domain.dim()],
-                Some(each) => each.to_vec(),
-                None => WaveGrid::default_max_frequency(shape.mean_points, domain),
+            let frequencies = match (given, request.convention.max_frequency(shape.max_points)) {
+                (Some([f]), _) => vec![*f; domain.dim()],
+                (Some(each), _) => each.to_vec(),
+                (None, Some(f)) => vec![f; domain.dim()],
+                (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain),
             };
             let waves = match (&request.frequencies, request.ring_directions) {
                 (Some(path), _) => read_frequencies(path, domain)?.into(),
                 (None, Some(n)) => WaveList::ring_directions(domain, &frequencies, n)?.into(),
                 (None, None) => WaveVectors::from(WaveGrid::new(&frequencies)?),
             };
-            // Directions of what is not 2D are refused, in their own words.
-            let all_directions = domain.dim() == 2 && waves.grid().is_some();
+            // Directions of what is not 2D are refused, in their own words; rings of others have none.
+            let all_directions = domain.dim() == 2 && waves.grid().is_some() && request.convention == Convention::Ours;
             let sectors = request.sectors.or(all_directions.then_some(DEFAULT_SECTORS));
-            let waves = WavePlan::new(domain, waves, request.accuracy, shape)?;
+            let plan = WavePlan::new(domain, waves, request.accuracy, shape)?;
+            let plan =
+                plan.with_taper(taper(request, domain)?).with_convention(request.convention, request.bug_compatible)?;
             Some(match sectors {
-                Some(count) => waves.with_sectors(count)?,
-                None => waves,
+                Some(count) => plan.with_sectors(count)?,
+                None => plan,
             })
         } else {
             None
@@ -135,6 +149,7 @@ impl Plan {
         let covariance = wants(Statistic::Covariance)
             .then(|| CovariancePlan::new(domain, request.covariance_frequency, shape))
             .transpose()?;
+        let psa = psa_pairs(request, domain, shape)?.filter(|_| waves.is_some());
         let batches = [
             pairs.as_ref().map(|p| p.batch),
             kernel.as_ref().map(|k| k.pairs.batch),
@@ -144,6 +159,7 @@ impl Plan {
             waves.as_ref().map(|w| w.batch),
             covariance.as_ref().map(|c| c.batch),
             neighbors.as_ref().map(|n| n.batch),
+            psa.as_ref().map(|p| p.batch),
         ];
         let batch = batches.into_iter().flatten().map(|b| b.realizations).min().unwrap_or(1);
         // g, the kernel estimate, K and L, G and F.
@@ -158,6 +174,9 @@ impl Plan {
         }
         Ok(Self {
             pcf,
+            psa_bins: request.convention == Convention::Psa,
+            bug_compatible: request.bug_compatible,
+            psa,
             pairs,
             kernel,
             search,
@@ -189,6 +208,7 @@ impl Plan {
         Self {
             pairs: self.pairs.map(suited),
             classes: self.classes.map(|c| Classes { pairs: suited(c.pairs), ..c }),
+            psa: self.psa.map(suited),
             kernel: self.kernel.map(|k| KernelPlan { pairs: suited(k.pairs), ..k }),
             search: self.search.map(|s| BandwidthSearch { pairs: suited(s.pairs), ..s }),
             waves: self.waves.map(|w| WavePlan { costs: compute.wave_costs(), ..w }),
@@ -201,6 +221,7 @@ impl Plan {
         let neighbors = self.neighbors.clone().map(|n| NeighborPlan { bonds: false, ..n });
         Self {
             classes: None,
+            psa: None,
             lags: None,
             rings: None,
             waves: None,
@@ -232,6 +253,8 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
     let pairs: &[Statistic] = &[Pcf, KFunction];
     let waves: &[Statistic] = &[Spectrum, Radial];
     let convention = (request.convention != Convention::Ours).then(|| request.convention.to_string());
+    let of_convention: &[Statistic] =
+        if request.convention == Convention::Psa { &[Pcf, Spectrum, Radial] } else { waves };
     let settings: [(&str, Option<String>, &[Statistic]); 23] = [
         ("--r-max", request.r_max.map(number), pairs),
         ("--bins", request.bins.map(|b| b.to_string()), pairs),
@@ -254,8 +277,8 @@ fn refuse_idle_settings(request: &Request) -> Result<()> {
         ("--taper", request.taper.map(|t| t.to_string()), waves),
         ("--tapers", request.tapers.map(|n| n.to_string()), waves),
         ("--debias", request.debias.map(|d| d.to_string()), waves),
-        ("--convention", convention, waves),
-        ("--bug-compatible", request.bug_compatible.then(|| "(given)".into()), waves),
+        ("--convention", convention, of_convention),
+        ("--bug-compatible", request.bug_compatible.then(|| "(given)".into()), of_convention),
     ];
     for (flag, value, statistics) in settings {
         if let Some(value) = value.filter(|_| !statistics.iter().any(|s| request.stats.contains(s))) {
@@ -339,6 +362,9 @@ impl fmt::Display for Plan {
         if let Some(covariance) = &self.covariance {
             write!(f, "{covariance}")?;
         }
+        if let Some(psa) = &self.psa {
+            write!(f, "for PSA's effective Nyquist frequency and oscillation: {psa}")?;
+        }
         if let Some(neighbors) = &self.neighbors {
             write!(f, "{neighbors}")?;
         }
@@ -411,8 +437,80 @@ fn rings(request: &Request, lags: &LagPlan) -> Result<Option<LagPlan>> {
     LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
 }
 
+/// The distances from which PSA takes its statistics of the spectrum, unless they are too many for its cubic sums.
+fn psa_pairs(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Option<PairPlan>> {
+    let bins = PsaStatistics::bins(shape.max_points);
+    let few = bins <= MAX_PSA_BINS && bins as u64 * shape.realizations <= MAX_SIMULATED;
+    if request.convention != Convention::Psa || shape.max_points < 2 || !few {
+        return Ok(None);
+    }
+    let bins = RadialBins::linear(domain.shortest_side() / 2.0, bins)?;
+    PairPlan::new(domain, bins, Correction::None, shape).map(Some)
+}
+
+/// The tapers a request asks for.
+fn taper(request: &Request, domain: &Domain) -> Result<TaperPlan> {
+    let given = [
+        ("--taper", request.taper.map(|t| t.to_string())),
+        ("--tapers", request.tapers.map(|n| n.to_string())),
+        ("--debias", request.debias.map(|d| d.to_string())),
+    ];
+    for (flag, value) in given {
+        if let Some(value) = value.filter(|_| domain.is_torus()) {
+            return Err(Error::setting(flag, value, "is about a window; a torus cuts nothing off"));
+        }
+    }
+    let (kind, debias) = (request.taper.unwrap_or_default(), request.debias.unwrap_or_default());
+    TaperPlan::new(kind, request.tapers, debias, domain.dim())
+}
+
+/// Whether the program of a convention could have done what is asked for.
+pub(super) fn check_convention(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<()> {
+    request.convention.check(domain, request.bug_compatible)?;
+    if request.convention == Convention::Ours {
+        return Ok(());
+    }
+    let name = request.convention.to_string();
+    if (shape.max_points as f64) > shape.mean_points {
+        let reason = format!(
+            "needs as many points in every realization; they have {} on average and up to {}",
+            number(shape.mean_points),
+            shape.max_points
+        );
+        return Err(Error::setting("--convention", name, reason));
+    }
+    let theirs = request.convention.pair_bins(shape.max_points).is_some() && request.stats.contains(&Statistic::Pcf);
+    let refused = [
+        ("--weight-column", request.input.weight_column.is_some(), "has no weights of points"),
+        ("--frequencies", request.frequencies.is_some(), "has a grid of its own"),
+        ("--ring-directions", request.ring_directions.is_some(), "takes every wave vector of a ring"),
+        ("--sectors", request.sectors.is_some(), "has no directions"),
+        ("--r-max", theirs && request.r_max.is_some(), "has bins of its own"),
+        ("--bins", theirs && request.bins.is_some(), "has bins of its own"),
+        ("--bin-scale", theirs && request.bin_scale.is_some(), "has bins of its own"),
+        ("--edges", theirs && request.edges.is_some(), "has bins of its own"),
+        ("--beyond-half", theirs && request.beyond_half, "has bins of its own"),
+        ("--kernel", theirs && request.kernel.is_some(), "has no smoothed g"),
+        ("--normalization", theirs && request.normalization != Normalization::Pairs, "divides by n(n-1)"),
+    ];
+    match refused.iter().find(|(_, given, _)| *given) {
+        Some((flag, _, why)) => Err(Error::setting("--convention", &name, format!("{why}; leave out {flag}"))),
+        None => Ok(()),
+    }
+}
+
 /// The bins a request asks for.
 fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBins> {
+    if let Some((bins, width)) = request.convention.pair_bins(mean_points as u64) {
+        let width = width * domain.shortest_side();
+        if bins == 0 {
+            let reason = "has n/8 bins of g, so that it needs at least 8 points";
+            return Err(Error::setting("--convention", request.convention, reason));
+        }
+        // Beyond half the diagonal of a torus there are no pairs.
+        let edges = (0..=bins).map(|k| k as f64 * width);
+        return RadialBins::from_edges(edges.take_while(|&r| r <= domain.half_diagonal()).collect());
+    }
     if let Some(path) = &request.edges {
         // What is wrong with them is wrong in that file.
         return RadialBins::from_edges(read_edges(path)?).map_err(|e| blame_edges(e, path));

@@ -18,6 +18,8 @@ pub(super) struct Sums {
     pub(super) waves: Option<WavePower>,
     pub(super) covariance: Option<WaveCovariance>,
     pub(super) neighbors: Option<NeighborSums>,
+    /// Unordered pairs per bin of `Plan::psa`, of every realization.
+    pub(super) psa: Vec<Vec<u64>>,
 }
 
 impl Sums {
@@ -73,6 +75,15 @@ impl Sums {
                 Ok(())
             })?;
         }
+        if let Some(plan) = &plan.psa {
+            stage("pair_counts (psa)", &mut || {
+                for k in 0..batch.realizations() {
+                    let counts = device.pair_counts(plan, &batch.slice(k..k + 1), control)?.counts;
+                    sums.psa.push(counts.into_iter().map(|c| c / 2).collect());
+                }
+                Ok(())
+            })?;
+        }
         if let Some(plan) = &plan.neighbors {
             stage("neighbors", &mut || {
                 sums.neighbors = Some(neighbor_sums(plan, batch, control)?);
@@ -84,6 +95,7 @@ impl Sums {
 
     /// Adds the sums of the batch that follows.
     pub(super) fn merge(&mut self, next: Self) -> Result<()> {
+        self.psa.extend(next.psa);
         merge(&mut self.pairs, next.pairs, |a, b| a.merge(&b))?;
         merge(&mut self.cross, next.cross, |a, b| a.merge(&b))?;
         merge(&mut self.kernel, next.kernel, |a, b| a.merge(b))?;

@@ -67,4 +67,13 @@ impl PairCorrelation {
             normalization,
         }
     }
+
+    /// The same with PSA's labels, the left edges of the bins; with its defect also g beyond half the side, where it divides
+    /// by whole rings that the square torus does not hold.
+    pub fn as_psa(self, plan: &PairPlan, bug_compatible: bool) -> Self {
+        let part = |b| plan.shell_measure(b) / plan.bins.shell_measure(b, plan.domain.dim());
+        let scale = |values: Vec<f64>| values.into_iter().enumerate().map(|(b, g)| g * part(b)).collect();
+        let (g, g_se) = if bug_compatible { (scale(self.g), scale(self.g_se)) } else { (self.g, self.g_se) };
+        Self { r: self.r_lo.clone(), g, g_se, ..self }
+    }
 }

@@ -26,7 +26,10 @@ impl PowerSpectrum {
     /// The estimate.
     pub fn new(plan: &WavePlan, power: &WavePower) -> Self {
         let modes = power.mode_totals();
-        let (p, p_se) = ratio_estimate(power, &modes, |_| 1.0, |_| 1.0);
+        let (mut p, mut p_se) = ratio_estimate(power, &modes, |_| 1.0, |_| plan.tapers());
+        if let Some(dc) = plan.waves.dc().filter(|_| plan.dc_cleared()) {
+            (p[dc], p_se[dc]) = (0.0, 0.0);
+        }
         Self {
             waves: plan.waves.clone(),
             p,

@@ -4,14 +4,14 @@ use super::confidence::Band;
 use super::power_spectrum::{ratio_estimate, realizations};
 use super::{ErrorSource, PowerSpectrum};
 use crate::accumulate::WavePower;
-use crate::plan::WavePlan;
+use crate::plan::{Convention, WavePlan};
 
 /// One ring of constant frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
-    /// Lower end, `(k - 1/2) / max L`, in cycles per unit length.
+    /// Lower end, `(k - 1/2) / max L`, in cycles per unit length. (Of another program's rings: see `Convention::labels`.)
     pub nu_lo: f64,
-    /// `k / max L`.
+    /// Label, `k / max L`.
     pub nu: f64,
     /// k: `nu` in units of the fundamental `1 / max L`.
     pub m: f64,
@@ -55,13 +55,14 @@ impl RadialSpectrum {
     pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
         let ring_moments = power.ring_totals();
         let modes = |k: usize| plan.rings.modes[k] as f64;
-        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| plan.rings.independent[k] as f64);
+        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| ordinates(plan, k));
+        let p_se = without_dc(plan, power, spectrum, &p, p_se);
         let spread = spread(plan, &spectrum.p, &p);
         let realizations = realizations(power);
         let rings = (0..plan.rings.count)
             .map(|k| {
                 let independent = plan.rings.independent[k];
-                let variance = spread[k] / (independent as f64 - 1.0);
+                let variance = spread[k] / (spread_members(plan, k) - 1.0);
                 let resolved = p[k] > plan.accuracy.power_bound().zero(plan.shape.mean_points);
                 let defined =
                     independent >= 2 && resolved && variance > (plan.accuracy.relative_noise() * p[k]).powi(2);
@@ -78,16 +79,23 @@ impl RadialSpectrum {
                     independent_modes: independent,
                     p: p[k],
                     p_se: p_se[k],
-                    band: Band::new(p[k], p_se[k], realizations, independent as f64),
-                    anisotropy_db: defined.then(|| 10.0 * (variance / (p[k] * p[k])).log10()),
+                    band: Band::new(p[k], p_se[k], realizations, ordinates(plan, k)),
+                    anisotropy_db: match plan.convention {
+                        Convention::Utk | Convention::Pspec => None,
+                        Convention::Psa if plan.bug_compatible && !resolved => Some(0.0),
+                        _ => defined.then(|| 10.0 * (variance / (p[k] * p[k])).log10()),
+                    },
                     anisotropy_db_se: defined.then(|| 10.0 / std::f64::consts::LN_10 * relative.sqrt()),
                 }
             })
             .collect();
         Self {
             rings,
-            // 0 - 0 is 0, where -0 would be printed as such.
-            anisotropy_reference_db: 0.0 - 10.0 * realizations.effective.log10(),
+            anisotropy_reference_db: match plan.convention {
+                Convention::Psa if plan.bug_compatible && power.realizations > 1 => -(realizations.count as f64),
+                // 0 - 0 is 0, where -0 would be printed as such.
+                _ => 0.0 - 10.0 * (realizations.effective * plan.tapers()).log10(),
+            },
             realizations: realizations.effective,
             errors: ErrorSource::of(power.realizations),
         }
@@ -99,14 +107,43 @@ fn whole(x: f64) -> f64 {
     if (x - x.round()).abs() <= 1e-9 * x { x.round() } else { x }
 }
 
-/// Per ring, the sum of `(P(m) - mean)^2` over the independent modes: of a grid those stored after DC, of a list all.
+/// Independent exponential ordinates in ring k.
+fn ordinates(plan: &WavePlan, k: usize) -> f64 {
+    plan.rings.independent[k] as f64 / plan.ring_variance()
+}
+
+/// The theory's standard errors, where DC is a member of its ring: it is the same for all points, so that only the others
+/// scatter.
+fn without_dc(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum, p: &[f64], mut p_se: Vec<f64>) -> Vec<f64> {
+    let dc = plan.waves.dc().filter(|&dc| plan.rings.ring_of[dc] > 0 && power.realizations == 1);
+    if let Some(dc) = dc {
+        let k = plan.rings.ring_of[dc] as usize - 1;
+        let members = plan.rings.modes[k] as f64;
+        let others = p[k] * members - f64::from(plan.rings.times[dc]) * spectrum.p[dc];
+        p_se[k] = others.max(0.0) / members / (plan.rings.independent[k] as f64).sqrt();
+    }
+    p_se
+}
+
+/// Members of ring k that its spread is taken over: the independent ones; PSA takes all.
+fn spread_members(plan: &WavePlan, k: usize) -> f64 {
+    match plan.convention {
+        Convention::Psa => plan.rings.modes[k] as f64,
+        _ => plan.rings.independent[k] as f64,
+    }
+}
+
+/// Per ring, the sum of `(P(m) - mean)^2` over those members: of a grid the independent ones are stored after DC, of a list
+/// they are all.
 fn spread(plan: &WavePlan, p: &[f64], mean: &[f64]) -> Vec<f64> {
     let mut spread = vec![0.0; plan.rings.count];
-    let first = plan.waves.grid().map_or(0, |grid| grid.dc() + 1);
-    for (&p, &ring) in p.iter().zip(&plan.rings.ring_of).skip(first) {
+    let all = plan.convention == Convention::Psa;
+    let first = plan.waves.grid().map_or(0, |grid| if all { 0 } else { grid.dc() + 1 });
+    for (index, (&p, &ring)) in p.iter().zip(&plan.rings.ring_of).enumerate().skip(first) {
         if ring > 0 {
             let k = ring as usize - 1;
-            spread[k] += (p - mean[k]).powi(2);
+            let times = if all { f64::from(plan.rings.times[index]) } else { 1.0 };
+            spread[k] += times * (p - mean[k]).powi(2);
         }
     }
     spread

@@ -39,7 +39,7 @@ pub use pair_search::{PairSearch, SearchCosts, SearchEstimate};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use ring_directions::RING_DIRECTIONS_RULE;
 pub use smoothing::{Divisor, Kernel, SmoothingKernel, sphere_surface};
-pub use taper::{Debias, Taper};
+pub use taper::{Debias, Taper, TaperPlan};
 pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
 pub use wave_plan::WavePlan;
 pub use wave_rings::Rings;

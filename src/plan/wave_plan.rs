@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::{
-    Accuracy, Batch, EnsembleShape, RING_DIRECTIONS_RULE, Rings, RoadEstimate, Sectors, WaveCosts, WaveRoad,
-    WaveVectors,
+    Accuracy, Batch, Convention, EnsembleShape, RING_DIRECTIONS_RULE, Rings, RoadEstimate, Sectors, TaperPlan,
+    WaveCosts, WaveRoad, WaveVectors,
 };
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
@@ -18,6 +18,12 @@ pub struct WavePlan {
     pub waves: WaveVectors,
     /// Their rings.
     pub rings: Rings,
+    /// Tapers, in a window.
+    pub taper: Option<TaperPlan>,
+    /// Whose rings they are.
+    pub convention: Convention,
+    /// Whether the defects of that program are wanted too.
+    pub bug_compatible: bool,
     /// Whether only the rings are wanted: modes in none may be left out, and their sums are 0.
     pub rings_only: bool,
     /// The promise to keep.
@@ -49,9 +55,20 @@ impl WavePlan {
         let rings = Rings::new(&waves, domain);
         let bytes = shape.max_points * 24 + waves.len() as u64 * 8;
         let batch = Batch::new(shape.realizations, bytes);
-        let costs = WaveCosts::CPU;
-        let domain = domain.clone();
-        Ok(Self { domain, waves, rings, rings_only: false, accuracy, costs, road: None, shape, batch })
+        Ok(Self {
+            domain: domain.clone(),
+            waves,
+            rings,
+            taper: (!domain.is_torus()).then(TaperPlan::default),
+            convention: Convention::Ours,
+            bug_compatible: false,
+            rings_only: false,
+            accuracy,
+            costs: WaveCosts::CPU,
+            road: None,
+            shape,
+            batch,
+        })
     }
 
     /// The roads there are for a realization of `n` points, with estimates.
@@ -93,7 +110,7 @@ impl WavePlan {
             }
             WaveVectors::List(list) => 4.0 * list.vectors.len() as f64,
         };
-        per_point * self.shape.realizations as f64 * self.shape.mean_points
+        self.tapers() * per_point * self.shape.realizations as f64 * self.shape.mean_points
     }
 }
 
@@ -122,6 +139,9 @@ impl fmt::Display for WavePlan {
         )?;
         for estimate in estimates {
             writeln!(f, "    {estimate}")?;
+        }
+        if let Some(taper) = &self.taper {
+            writeln!(f, "  {taper}")?;
         }
         writeln!(f, "  {}", self.batch)?;
         if matches!(&self.waves, WaveVectors::List(list) if list.mirrored) {

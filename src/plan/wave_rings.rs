@@ -1,6 +1,7 @@
 //! Rings of constant frequency.
 
-use super::{Sectors, WaveVectors};
+use super::convention::RingRule;
+use super::{Sectors, WaveGrid, WaveVectors};
 use crate::points::Domain;
 
 /// Rings of constant frequency: which stored modes each of them holds.
@@ -51,6 +52,38 @@ impl Rings {
         }
         let bounds = (1..=count).map(|k| [-0.5, 0.0, 0.5].map(|d| (k as f64 + d) * fundamental)).collect();
         let independent = modes.iter().map(|m| m / 2).collect();
+        Self { fundamental, count, bounds, ring_of, times, modes, independent, sectors: Sectors::default() }
+    }
+
+    /// The rings of another program, lowest edge as label, in cycles per side over `rule.unit`. With `dc_cleared`, P(0) is
+    /// counted among the members of the first ring but adds nothing to their sum.
+    pub(super) fn by(rule: &RingRule, grid: &WaveGrid, dc_cleared: bool) -> Self {
+        let dc = grid.dc();
+        let mut ring_of = vec![0; grid.half_len()];
+        let mut times = vec![0; grid.half_len()];
+        let (mut modes, mut independent) = (Vec::new(), Vec::new());
+        for index in (0..grid.half_len()).filter(|&index| rule.dc || index != dc) {
+            let squared: f64 = grid.mode(index).iter().map(|&m| f64::from(m).powi(2)).sum();
+            let ring = (rule.ring)(squared);
+            if ring >= rule.count {
+                continue;
+            }
+            if modes.len() <= ring {
+                modes.resize(ring + 1, 0);
+                independent.resize(ring + 1, 0);
+            }
+            ring_of[index] = ring as u32 + 1;
+            times[index] = if index == dc && dc_cleared { 0 } else { grid.multiplicity(index) as u8 };
+            modes[ring] += u64::from(grid.multiplicity(index));
+            independent[ring] += u64::from(index > dc);
+        }
+        // A ring about 0 that does not hold DC holds nothing.
+        let first = modes.iter().take_while(|&&m| m == 0).count();
+        ring_of.iter_mut().filter(|ring| **ring > 0).for_each(|ring| *ring -= first as u32);
+        let edge = |k: usize| k as f64 * rule.width / rule.unit;
+        let bounds = (first..modes.len()).map(|k| [edge(k), edge(k), edge(k + 1)]).collect();
+        let (modes, independent) = (modes.split_off(first), independent.split_off(first));
+        let (fundamental, count) = (1.0 / rule.unit, modes.len());
         Self { fundamental, count, bounds, ring_of, times, modes, independent, sectors: Sectors::default() }
     }
 

@@ -15,7 +15,7 @@ use super::vector_image::VectorImage;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
 use crate::estimate::{ErrorSource, Normalization, VectorCorrelation};
-use crate::plan::Correction;
+use crate::plan::{Convention, Correction};
 
 /// The pictures of one report, as far as there are any.
 #[derive(Default)]
@@ -330,11 +330,16 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
     }
     if let Some(svg) = &pictures.spectrum_radial {
+        let rings = match a.convention {
+            Convention::Ours => {
+                "the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency left out".into()
+            }
+            other => format!("the rings of {other} (<i>ν</i> in {})", other.labels()),
+        };
         let caption = format!(
-            "{definition}, averaged over the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency \
-             left out; 1 is the level of independent points. The wider band holds the expectation with probability 95 %: \
-             by the chi-squared law of exponential ordinates, or from 30 realizations and 100 ordinates on by the standard \
-             error across realizations."
+            "{definition}, averaged over {rings}; 1 is the level of independent points. The wider band holds the \
+             expectation with probability 95 %: by the chi-squared law of exponential ordinates, or from 30 realizations and \
+             100 ordinates on by the standard error across realizations."
         );
         figure(html, svg, &caption);
     }

@@ -218,10 +218,11 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
     let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
     if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {
-        files.stream("spectrum.npy", |file| npy::grid(grid, &spectrum.p, file));
+        let lacks_last = analysis.convention.lacks_last_plane();
+        files.stream("spectrum.npy", |file| npy::grid(grid, &spectrum.p, lacks_last, file));
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
         if analysis.shape.realizations >= 2 {
-            files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, file));
+            files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, lacks_last, file));
         }
     }
     if let Some(covariance) = &analysis.covariance {

@@ -6,11 +6,16 @@ use npyz::WriterBuilder;
 
 use crate::plan::{LagGrid, WaveGrid};
 
-/// One grid as a .npy file, from stored values (`p` or `p_se`).
-pub(super) fn grid(grid: &WaveGrid, half: &[f64], file: impl std::io::Write) -> std::io::Result<()> {
-    let shape: Vec<u64> = grid.full_shape().iter().map(|&n| n as u64).collect();
+/// One grid as a .npy file, from stored values (`p` or `p_se`); with `lacks_last` without the last plane along each axis.
+pub(super) fn grid(grid: &WaveGrid, half: &[f64], lacks_last: bool, file: impl std::io::Write) -> std::io::Result<()> {
+    let full = grid.full_shape();
+    let shape: Vec<u64> = full.iter().map(|&n| n as u64 - u64::from(lacks_last)).collect();
     let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
-    writer.extend(grid.full(half))?;
+    let is_last = |index: usize| {
+        let along = full.iter().rev().scan(index, |rest, &n| Some((std::mem::replace(rest, *rest / n) % n, n)));
+        along.into_iter().any(|(i, n)| i == n - 1)
+    };
+    writer.extend(grid.full(half).enumerate().filter(|&(i, _)| !(lacks_last && is_last(i))).map(|(_, p)| p))?;
     writer.finish()
 }
 

@@ -8,7 +8,7 @@ use super::figure::{
 use super::text::{escape, human, shortened};
 use crate::analysis::Analysis;
 use crate::estimate::{Envelope, ErrorSource, Normalization, SectorCorrelation};
-use crate::plan::SmoothingKernel;
+use crate::plan::{Convention, SmoothingKernel};
 
 pub(super) type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -289,7 +289,7 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
             error_note(radial.errors, "exponential ordinates"),
             cut(p.iter().copied(), top)
         ),
-        x_label: "frequency ν (cycles per unit length)".into(),
+        x_label: frequency_label(analysis),
         y_label: "P(ν) (dimensionless)".into(),
         x,
         y: 0.0..top,
@@ -347,7 +347,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
         title: "Anisotropy of the power spectrum",
         subject: analysis.subject.clone(),
         note,
-        x_label: "frequency ν (cycles per unit length)".into(),
+        x_label: frequency_label(analysis),
         y_label: "anisotropy (dB)".into(),
         x,
         y,
@@ -421,8 +421,20 @@ fn closed_name(analysis: &Analysis) -> String {
     if name.is_empty() { "closed form".into() } else { format!("closed form: {}", escape(&shortened(name, 28))) }
 }
 
+/// What ν is, by whose convention.
+fn frequency_label(analysis: &Analysis) -> String {
+    let unit = analysis.convention.labels().split(';').next().unwrap_or_default();
+    match analysis.convention {
+        Convention::Ours => format!("frequency ν ({unit})"),
+        other => format!("frequency ν ({unit}; rings of {other})"),
+    }
+}
+
 /// The frequency of one cycle per mean spacing, `lambda^(1/d)`, if it lies in the frame.
 pub(super) fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
+    if analysis.convention != Convention::Ours {
+        return None;
+    }
     let d = analysis.domain.dim();
     let measure = analysis.domain.measure();
     let nu = (analysis.shape.mean_points / measure).powf(1.0 / d as f64);

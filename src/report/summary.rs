@@ -6,8 +6,12 @@ use super::spectrum_numbers::{BandsOut, ConsistencyOut, ScalarsOut};
 use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{BondOrder, CovarianceScalars, CrossValidation, ErrorSource, NeighborDistances, Normalization};
-use crate::plan::{Correction, Divisor, Kernel, KernelRoad, PowerBound, RING_DIRECTIONS_RULE, WaveGrid, WaveVectors};
+use crate::estimate::{
+    BondOrder, CovarianceScalars, CrossValidation, ErrorSource, NeighborDistances, Normalization, PsaStatistics,
+};
+use crate::plan::{
+    Convention, Correction, Divisor, Kernel, KernelRoad, PowerBound, RING_DIRECTIONS_RULE, WaveGrid, WaveVectors,
+};
 use crate::points::Domain;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -39,6 +43,7 @@ struct Summary<'a> {
     spectrum_scalars: Option<ScalarsOut>,
     consistency: Option<ConsistencyOut>,
     covariance: Option<CovarianceOut>,
+    convention: Option<ConventionOut>,
     neighbors: Option<NeighborsOut>,
     duplicates: u64,
     closed_form: Option<&'a str>,
@@ -174,6 +179,20 @@ struct CovarianceOut {
     order: &'static str,
     #[serde(flatten)]
     scalars: CovarianceScalars,
+}
+
+/// Whose numbers these are, where not ours.
+#[derive(Serialize)]
+struct ConventionOut {
+    name: Convention,
+    bug_compatible: bool,
+    /// What `nu_lo`, `nu` and `nu_hi` are.
+    spectrum_radial: &'static str,
+    /// What `r` of `pcf.csv` is.
+    pcf: &'static str,
+    /// By PSA's own route through the pair counts.
+    #[serde(flatten)]
+    psa: Option<PsaStatistics>,
 }
 
 #[derive(Serialize)]
@@ -319,6 +338,13 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             modes: c.modes(),
             order: "m_x slowest, each m_k from -B to B; m = 0 in the middle",
             scalars: c.scalars,
+        }),
+        convention: (a.convention != Convention::Ours).then(|| ConventionOut {
+            name: a.convention,
+            bug_compatible: a.bug_compatible,
+            spectrum_radial: a.convention.labels(),
+            pcf: a.convention.pair_labels(),
+            psa: a.psa,
         }),
         neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
             distances: n.distances,

@@ -13,6 +13,7 @@ mod pair_weights;
 mod phase_tables;
 mod product;
 mod simd;
+mod tapered_power;
 mod wave_covariance;
 mod wave_power;
 mod wave_product;
@@ -113,7 +114,10 @@ impl Compute for Cpu {
     }
 
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        wave_power::wave_power(self, plan, ensemble, control)
+        match plan.tapered() {
+            Some(taper) => tapered_power::tapered_power(self, plan, taper, ensemble, control),
+            None => wave_power::wave_power(self, plan, ensemble, control),
+        }
     }
 
     fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {

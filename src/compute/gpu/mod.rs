@@ -170,6 +170,9 @@ impl Compute for GpuCompute {
     }
 
     fn supports_wave_power(&self, plan: &WavePlan) -> Result<(), String> {
+        if plan.tapered().is_some() {
+            return Err("no GPU kernel for tapered spectra".into());
+        }
         wave_power::supports(plan, self.verdict.f64(), self.gpu.limits.max_storage_buffer_binding_size)
     }
 

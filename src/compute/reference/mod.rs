@@ -2,6 +2,7 @@
 
 mod kernel_sums;
 mod pair_counts;
+pub(in crate::compute) mod tapered_power;
 mod wave_covariance;
 pub(in crate::compute) mod wave_power;
 use super::{Backend, Compute, ComputedBy, Control};
@@ -45,7 +46,13 @@ impl Compute for Reference {
     fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
         let mut sums = WavePower::new(self.computed_by(), plan.waves.len(), &plan.rings);
         for k in 0..ensemble.realizations() {
-            let power = wave_power::wave_power(&plan.waves, &ensemble.fractions(k), ensemble.weights(k), control)?;
+            let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+            let power = match plan.tapered() {
+                Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &axes, weights, |weights| {
+                    wave_power::amplitudes(&plan.waves, &axes, Some(weights), control)
+                })?,
+                None => wave_power::wave_power(&plan.waves, &axes, weights, control)?,
+            };
             sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
         }
         sums.close_leaf();

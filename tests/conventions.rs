@@ -1,0 +1,212 @@
+//! The conventions of other programs: against figures of theirs, and against rings small enough to be counted by hand.
+
+mod common;
+
+use assert_cmd::Command;
+use common::{ensemble, lattice, raw, wave_plan};
+use pairwave::compute::{Compute, Control, reference::Reference};
+use pairwave::estimate::{PowerSpectrum, RadialSpectrum};
+use pairwave::plan::{Accuracy, Convention, WavePlan};
+use pairwave::points::{Ensemble, RawPoints};
+
+fn pairwave(arguments: &str) -> std::process::Output {
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+    Command::new(env!("CARGO_BIN_EXE_pairwave")).current_dir(data).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// A column of a CSV file; empty cells are NaN.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let at = reader.headers().unwrap().iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    reader.records().map(|r| r.unwrap()[at].parse().unwrap_or(f64::NAN)).collect()
+}
+
+/// The first row whose values differ by more than `relative` and `absolute` allow; NaN differs from everything.
+fn differs(ours: &[f64], theirs: &[f64], relative: f64, absolute: f64) -> Option<usize> {
+    assert_eq!(ours.len(), theirs.len());
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= absolute + relative * b.abs();
+    ours.iter().zip(theirs).position(|pair| !near(pair))
+}
+
+#[test]
+fn psa_figures_are_reproduced() {
+    let scratch = tempfile::tempdir().unwrap();
+    let out = scratch.path().join("out");
+    let arguments = format!(
+        "analyze jittered2d_n1024.npy --convention psa --accuracy high --device cpu --quiet --out {}",
+        out.display()
+    );
+    let output = pairwave(&arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+
+    let (ours, theirs) = (read("spectrum_radial.csv"), include_str!("data/jittered2d_n1024_psa_spectrum.csv"));
+    for (name, relative, absolute) in
+        [("nu", 0.0, 0.0), ("modes", 0.0, 0.0), ("p", 1e-9, 0.0), ("anisotropy_db", 0.0, 1e-6)]
+    {
+        let (mut ours, theirs) = (column(&ours, name), column(theirs, name));
+        assert_eq!(differs(&ours, &theirs, relative, absolute), None, "{name}");
+        // What is more than the tolerance off must be seen.
+        ours[41] += 2.0 * (relative * ours[41].abs() + absolute) + 1e-9;
+        assert_eq!(differs(&ours, &theirs, relative, absolute), Some(41), "{name}");
+    }
+    let (ours, theirs) = (read("pcf.csv"), include_str!("data/jittered2d_n1024_psa_pcf.csv"));
+    let ordered: Vec<f64> = column(theirs, "unordered_pairs").iter().map(|c| 2.0 * c).collect();
+    assert_eq!(differs(&column(&ours, "count"), &ordered, 0.0, 0.0), None);
+    assert_eq!(differs(&column(&ours, "r"), &column(theirs, "r"), 1e-10, 1e-13), None);
+    assert_eq!(differs(&column(&ours, "r"), &column(&ours, "r_lo"), 0.0, 0.0), None, "left edges");
+    assert_eq!(differs(&column(&ours, "g"), &column(theirs, "g"), 1e-9, 0.0), None);
+
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let convention = &summary["convention"];
+    assert_eq!(convention["name"], "psa");
+    assert_eq!(convention["spectrum_radial"], Convention::Psa.labels());
+    assert!((convention["effective_nyquist"].as_f64().unwrap() - 0.2).abs() < 5e-4, "{convention}");
+    assert!((convention["oscillation"].as_f64().unwrap() - 0.22977).abs() < 1e-4, "{convention}");
+    let distance = |name: &str| summary["neighbors"][name].as_f64().unwrap();
+    assert!((distance("mean_minimum_relative") - 0.075).abs() < 6e-4);
+    assert!((distance("mean_relative") - 0.565).abs() < 6e-4);
+    // m from -160 to 159.
+    let bytes = std::fs::read(out.join("spectrum.npy")).unwrap();
+    let spectrum = npyz::NpyFile::new(&bytes[..]).unwrap();
+    assert_eq!(spectrum.shape(), [320, 320]);
+    let spectrum: Vec<f64> = spectrum.into_vec().unwrap();
+    assert!((spectrum[160 * 320 + 160] - 1024.0).abs() < 1e-9, "P(0) = n at index F");
+    let at = |m0: i32, m1: i32| spectrum[((m0 + 160) * 320 + m1 + 160) as usize];
+    assert_eq!(at(-7, 5), at(7, -5));
+    assert_ne!(at(-7, 5), at(7, 5));
+}
+
+fn radial(sets: &[RawPoints], f: u32, convention: Convention, bugs: bool) -> (WavePlan, PowerSpectrum, RadialSpectrum) {
+    let points: Ensemble = ensemble(sets);
+    let dim = sets[0].dim;
+    let plan = wave_plan(&points, &vec![f; dim], Accuracy::High).with_convention(convention, bugs).unwrap();
+    let power = Reference.wave_power(&plan, &points, &Control::default()).unwrap();
+    let spectrum = PowerSpectrum::new(&plan, &power);
+    let radial = RadialSpectrum::new(&plan, &power, &spectrum);
+    (plan, spectrum, radial)
+}
+
+/// Two points half a side apart: P is 2 where m_x is even and 0 where it is odd.
+fn pair() -> RawPoints {
+    raw(2, vec![0.0, 0.0, 0.5, 0.0])
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-12
+}
+
+#[test]
+fn rings_are_those_counted_by_hand() {
+    let members = |c, f| radial(&[pair()], f, c, false).2.rings.iter().map(|r| r.modes).collect::<Vec<_>>();
+    // |m|^2 < 4; < 16.
+    assert_eq!(members(Convention::Psa, 4), [9, 36]);
+    // Five along each axis: |m|^2 < 4, and the corners too.
+    assert_eq!(members(Convention::Utk, 2), [9, 16]);
+    // 1 <= |m|^2 < 4; 4 <= |m|^2 < 9.
+    assert_eq!(members(Convention::Pspec, 3), [8, 16]);
+
+    let (_, _, psa) = radial(&[pair()], 4, Convention::Psa, false);
+    let first = &psa.rings[0];
+    // DC, (0, 1) and (0, -1) have P = 2, the six with m_x = +-1 have 0.
+    assert!(close(first.p, 6.0 / 9.0), "{}", first.p);
+    let variance = (3.0 * (2.0 - 2.0 / 3.0f64).powi(2) + 6.0 * (2.0 / 3.0f64).powi(2)) / 8.0;
+    assert!(close(first.anisotropy_db.unwrap(), 10.0 * (variance / (4.0 / 9.0)).log10()));
+    assert_eq!([first.nu_lo, first.nu, first.nu_hi, psa.rings[1].nu], [0.0, 0.0, 2.0, 2.0]);
+    // DC does not scatter: the others sum to 4 of the 9, four pairs of mirror images.
+    assert!(close(first.p_se, 4.0 / 9.0 / 2.0), "{}", first.p_se);
+    assert_eq!(first.independent_modes, 4);
+
+    let (_, spectrum, utk) = radial(&[pair()], 2, Convention::Utk, false);
+    assert!(close(utk.rings[0].p, 6.0 / 9.0));
+    assert!(close(utk.rings[1].nu, 2.0 / 2f64.sqrt()), "labels in units of sqrt(n)");
+    assert_eq!(utk.rings[0].anisotropy_db, None);
+    assert_eq!(spectrum.dc(), Some((2.0, 2.0)));
+
+    let (_, _, pspec) = radial(&[pair()], 3, Convention::Pspec, false);
+    assert!(close(pspec.rings[0].p, 0.5));
+    assert_eq!([pspec.rings[0].nu_lo, pspec.rings[0].nu, pspec.rings[0].nu_hi], [1.0, 1.0, 2.0]);
+
+    // In 3D UTK's first ring holds the 27 modes with |m|^2 <= 3.
+    let (_, _, cube) = radial(&[lattice(3, 2)], 2, Convention::Utk, false);
+    assert_eq!(cube.rings[0].modes, 27);
+}
+
+#[test]
+fn grids_are_as_wide_as_theirs() {
+    let widths = |c: Convention, n: [u64; 3]| n.map(|n| c.max_frequency(n));
+    assert_eq!(widths(Convention::Psa, [1024, 576, 16]), [Some(160), Some(120), Some(20)]);
+    // 320, 100 and 17 frequencies per axis, made odd downwards where they are even.
+    assert_eq!(widths(Convention::Utk, [1024, 100, 3]), [Some(159), Some(49), Some(8)]);
+    assert_eq!(widths(Convention::Pspec, [1, 1024, 1 << 20]), [Some(750); 3]);
+    assert_eq!(widths(Convention::Ours, [1, 2, 3]), [None; 3]);
+}
+
+#[test]
+fn defects_come_only_when_asked_for() {
+    // UTK: P(0) is set to 0 but still counted.
+    let (_, spectrum, utk) = radial(&[pair()], 2, Convention::Utk, true);
+    assert!(close(utk.rings[0].p, 4.0 / 9.0), "{}", utk.rings[0].p);
+    assert_eq!(utk.rings[0].modes, 9);
+    assert_eq!(spectrum.dc(), Some((0.0, 0.0)));
+    // PSA: P = 0 becomes 0 dB, and the reference line -K dB.
+    for (bugs, anisotropy, reference) in [(false, None, -10.0 * 2f64.log10()), (true, Some(0.0), -2.0)] {
+        let (_, _, psa) = radial(&[lattice(2, 8), lattice(2, 8)], 6, Convention::Psa, bugs);
+        assert_eq!(psa.rings[1].anisotropy_db, anisotropy);
+        assert!(close(psa.anisotropy_reference_db, reference));
+    }
+    let (_, _, one) = radial(&[lattice(2, 8)], 6, Convention::Psa, true);
+    assert_eq!(one.anisotropy_reference_db, 0.0);
+}
+
+/// g of few points reaches beyond half the side, where the square holds only parts of the rings.
+#[test]
+fn psa_g_beyond_half_the_side() {
+    let scratch = tempfile::tempdir().unwrap();
+    let g = |flag: &str| {
+        let out = scratch.path().join(format!("out{flag}"));
+        let arguments = format!(
+            "analyze --sampler random -n 100 -k 400 --stats pcf --convention psa {flag} --device cpu --quiet --out {}",
+            out.display()
+        );
+        let output = pairwave(&arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(out.join("pcf.csv")).unwrap();
+        (column(&text, "r_lo"), column(&text, "g"), column(&text, "g_se"))
+    };
+    let (r, right, se) = g("");
+    let (_, wrong, _) = g("--bug-compatible");
+    for b in 0..r.len() {
+        assert!((right[b] - 1.0).abs() < 5.0 * se[b].max(0.01), "g({}) = {} +- {}", r[b], right[b], se[b]);
+        if r[b] > 0.55 {
+            assert!(wrong[b] < 0.8, "g({}) = {}: rings are counted whole", r[b], wrong[b]);
+        }
+    }
+    assert!(r.iter().any(|&r| r > 0.55));
+}
+
+#[test]
+fn what_they_could_not_do_is_refused() {
+    for (arguments, said) in [
+        ("--bug-compatible", "--bug-compatible"),
+        ("--convention pspec --bug-compatible", "no defect of pspec"),
+        ("--convention psa --dim 3 -n 27", "two dimensions"),
+        ("--convention psa --box 1,2", "equal sides"),
+        ("--convention psa --r-max 0.1", "--r-max"),
+        ("--convention psa --normalization intensity", "--normalization"),
+        ("--convention utk --sectors 9", "--sectors"),
+        ("--convention utk --max-frequency 4,5", "one number"),
+        ("--convention utk --max-frequency 1", "at least 2"),
+        ("--convention utk --stats pcf", "needs spectrum or radial"),
+        ("--convention utk --sampler thomas", "as many points in every realization"),
+    ] {
+        let sampler = if arguments.contains("--sampler") { "" } else { "--sampler random" };
+        let n = if arguments.contains("-n ") { "" } else { "-n 64" };
+        let line = format!("analyze {sampler} {n} -k 3 {arguments} --device cpu --quiet --out never");
+        let output = pairwave(&line);
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && errors.contains(said), "{line}: {errors}");
+    }
+    let window = pairwave("analyze swedishpines.csv --window 0,96,0,100 --convention psa --quiet --out never");
+    assert!(String::from_utf8(window.stderr).unwrap().contains("is for a torus"));
+}
