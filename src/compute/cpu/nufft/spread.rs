@@ -20,7 +20,7 @@ use crate::error::Result;
 const CHUNK: usize = 1 << 15;
 
 /// Cells of a tile in 1D, 2D and 3D, last axis last, as powers of two; no band is thinner than the widest kernel.
-const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 5, 0], [4, 4, 4]];
+const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 6, 0], [4, 4, 4]];
 
 /// With more tiles than this, pairs are joined: their bookkeeping would take longer than what they save.
 const MAX_TILES: usize = 1 << 14;
@@ -74,7 +74,8 @@ impl FineGrid {
     pub(super) fn new(axes: Vec<(usize, usize, Kernel)>, level: SimdLevel) -> Self {
         let shifts = TILE_SHIFTS[axes.len() - 1];
         let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, Kernel))| {
-            let stored = if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
+            let stored =
+                if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
             Axis { axis, cells, stored, kernel, tile_shift: shifts[a] }
         };
         let mut grid = Self { axes: axes.into_iter().enumerate().map(axis).collect(), level };
@@ -246,7 +247,7 @@ pub(in super::super) struct Band<'a> {
 }
 
 /// f64 in the vectors that hold a kernel.
-fn lanes(width: usize) -> usize {
+pub(super) fn lanes(width: usize) -> usize {
     if width <= 8 { 8 } else { 16 }
 }
 
@@ -335,8 +336,11 @@ fn horner<const FMA: bool, const L: usize>(kernel: &Kernel, u: f64, values: &mut
 #[inline(always)]
 fn add<const FMA: bool, const L: usize>(cells: &mut [f64], factor: f64, values: &[f64; L]) {
     if let Some(cells) = cells.first_chunk_mut::<L>() {
-        for (cell, value) in cells.iter_mut().zip(values) {
-            *cell = fused::<FMA>(factor, *value, *cell);
+        // In a copy, which the compiler keeps in whole vectors.
+        let mut sums = *cells;
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum = fused::<FMA>(factor, *value, *sum);
         }
+        *cells = sums;
     }
 }
