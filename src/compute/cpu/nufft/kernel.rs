@@ -21,10 +21,11 @@ pub(super) struct Kernel {
 }
 
 /// The width that keeps the aliasing error of `dim` axes, upsampled by `sigma`, below `tolerance`: its rate is
-/// `exp(-pi w sqrt(1 - 1 / sigma))` (the same paper, eq. 4.9); the cells beyond that are measured, for sigma from 1.5 to 2.
+/// `exp(-pi w sqrt(1 - 1 / sigma))` (the same paper, eq. 4.9); the cells beyond that are measured, for sigma from 1.5 to
+/// 2.25.
 pub(super) fn width(tolerance: f64, sigma: f64, dim: usize) -> usize {
     let cells = (1.0 / tolerance).ln() / (PI * (1.0 - 1.0 / sigma).sqrt());
-    (cells + 0.85 + 0.3 * dim as f64).ceil().max(2.0) as usize
+    (cells + 0.9 + 0.3 * dim as f64).ceil().max(2.0) as usize
 }
 
 impl Kernel {
