@@ -197,10 +197,10 @@ fn fine_size(sigma: f64, f: usize) -> usize {
     let least = ((sigma * 2.0 * f as f64).ceil() as usize).max(2 * f + 2);
     let fast = |mut n: usize| {
         n >>= n.trailing_zeros();
-        if n % 5 == 0 {
+        if n.is_multiple_of(5) {
             n /= 5;
         }
-        while n % 3 == 0 {
+        while n.is_multiple_of(3) {
             n /= 3;
         }
         n == 1
