@@ -75,7 +75,7 @@ impl Accuracy {
     /// The tolerance of a NUFFT that keeps it.
     pub const fn nufft_tolerance(self) -> f64 {
         match self {
-            Self::Fast => 1e-7,
+            Self::Fast => 1e-9,
             Self::High => 1e-14,
         }
     }

@@ -12,8 +12,8 @@ mod spread;
 mod threads;
 mod transform;
 
-pub(super) use spread::Band;
 pub use spread::Points;
+pub(super) use spread::Band;
 
 use rayon::ThreadPool;
 use rustfft::num_complex::Complex;
@@ -25,6 +25,12 @@ use super::SimdLevel;
 use crate::compute::Control;
 use crate::error::{Error, Result, number};
 use crate::plan::WaveGrid;
+
+/// The tolerance of accuracy `fast`.
+pub const FAST_TOLERANCE: f64 = 1e-9;
+
+/// The tolerance of accuracy `high`.
+pub const HIGH_TOLERANCE: f64 = 1e-14;
 
 /// Tolerances that can be asked for.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-14..=0.1;
@@ -57,16 +63,13 @@ impl Nufft {
         // An axis without frequencies adds nothing, but for the first, which is the real one.
         let axes: Vec<usize> = (0..grid.dim()).filter(|&a| a == 0 || f[a] > 0).collect();
         let largest: Vec<usize> = axes.iter().map(|&a| f[a]).collect();
-        let _ = points;
-        let upsampling = std::env::var("SIGMA").ok().and_then(|s| s.parse().ok()).unwrap_or(UPSAMPLING[2]);
+        let upsampling = std::env::var("SIGMA").ok().and_then(|s| s.parse().ok()).unwrap_or(if points < 10.0 { 1.5 } else { UPSAMPLING[2] });
         let cells: Vec<usize> = largest.iter().map(|&f| fine_size(upsampling, f)).collect();
         let sigma = |a: usize| cells[a] as f64 / (2 * largest[a]) as f64;
         let least_sigma = (0..axes.len()).map(sigma).fold(f64::INFINITY, f64::min);
-        let width = width(tolerance, least_sigma).min(MAX_WIDTH);
+        let width = std::env::var("WIDTH").ok().and_then(|s| s.parse().ok()).unwrap_or(width(tolerance, least_sigma, axes.len()).min(MAX_WIDTH));
         let kernels = (0..axes.len()).map(|a| (axes[a], cells[a], Kernel::new(width, sigma(a), 0.1 * tolerance)));
-        if std::env::var("SHOW").is_ok() {
-            eprintln!("cells {cells:?} width {width}");
-        }
+        if std::env::var("SHOW").is_ok() { eprintln!("cells {cells:?} width {width}"); }
         let fine = FineGrid::new(kernels.collect(), level);
         Ok(Self { grid: *grid, transform: Transform::new(fine, &largest) })
     }
@@ -118,24 +121,13 @@ impl Nufft {
         let threads = pool.map_or(1, ThreadPool::current_num_threads);
         scratch.cells.resize(fine.stored(), 0.0);
         scratch.columns.resize(self.transform.columns(fine.axes.len() - 1), Complex::default());
-        if scratch.workers.len() < threads {
-            scratch.workers.resize_with(threads, || self.transform.worker());
-        }
+        scratch.workers.resize_with(threads.max(scratch.workers.len()), Worker::default);
+        scratch.workers.iter_mut().for_each(|worker| self.transform.prepare(worker));
         let t0 = std::time::Instant::now();
         fine.spread(points, &mut scratch.sorted, &mut scratch.cells, pool, control)?;
         let t1 = std::time::Instant::now();
-        let r = self.transform.run(
-            &mut scratch.cells,
-            &mut scratch.columns,
-            &mut scratch.workers,
-            pool,
-            control,
-            finish,
-            out,
-        );
-        if std::env::var("SHOW").is_ok() {
-            eprintln!("spread {:.3} fft {:.3}", (t1 - t0).as_secs_f64() * 1e3, t1.elapsed().as_secs_f64() * 1e3);
-        }
+        let r = self.transform.run(&mut scratch.cells, &mut scratch.columns, &mut scratch.workers, pool, control, finish, out);
+        if std::env::var("SHOW").is_ok() { eprintln!("spread {:.3} fft {:.3}", (t1 - t0).as_secs_f64() * 1e3, t1.elapsed().as_secs_f64() * 1e3); }
         r
     }
 }

@@ -74,8 +74,7 @@ impl FineGrid {
     pub(super) fn new(axes: Vec<(usize, usize, Kernel)>, level: SimdLevel) -> Self {
         let shifts = TILE_SHIFTS[axes.len() - 1];
         let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, Kernel))| {
-            let stored =
-                if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
+            let stored = if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
             Axis { axis, cells, stored, kernel, tile_shift: shifts[a] }
         };
         let mut grid = Self { axes: axes.into_iter().enumerate().map(axis).collect(), level };
@@ -128,16 +127,18 @@ impl FineGrid {
         let (band, step) = (1 << last.tile_shift, self.step(others.len()));
         let tiles = others.iter().map(Axis::tiles).product::<usize>();
         for parity in 0..2 {
-            let pairs = cells[parity * band * step..].chunks_mut(2 * band * step).enumerate();
-            share(pool, &mut workers, pairs.take((last.tiles() + 1 - parity) / 2), |_, (pair, cells)| {
+            let first = (parity * band * step).min(cells.len());
+            share(pool, &mut workers, cells[first..].chunks_mut(2 * band * step).enumerate(), |_, (pair, cells)| {
                 control.check()?;
                 let index = 2 * pair + parity;
                 if parity == 0 {
                     cells.fill(0.0);
                 }
-                let tiles = index * tiles..(index + 1) * tiles;
-                let band = Band { grid: self, chunks: &sorted.chunks, tiles, first: index * band, cells };
-                simd::spread(self.level, band, points.weights.is_some());
+                if index < last.tiles() {
+                    let tiles = index * tiles..(index + 1) * tiles;
+                    let band = Band { grid: self, chunks: &sorted.chunks, tiles, first: index * band, cells };
+                    simd::spread(self.level, band, points.weights.is_some());
+                }
                 Ok(())
             })?;
         }
@@ -279,14 +280,18 @@ impl Band<'_> {
             for chunk in self.chunks {
                 let run = chunk.starts[tile] as usize..chunk.starts[tile + 1] as usize;
                 for record in &chunk.records.as_chunks::<R>().0[run] {
-                    let places: [(usize, f64); D] = std::array::from_fn(|a| axes[a].locate(record[a]));
-                    let mut values: [[f64; L]; D] =
-                        std::array::from_fn(|a| values::<FMA, L>(&axes[a].kernel, places[a].1));
+                    let mut start = 0;
+                    // A loop: what is called through a closure may lose the instruction set.
+                    let mut values = [[0.0; L]; D];
+                    for a in 0..D {
+                        let (place, u) = axes[a].locate(record[a]);
+                        start += place * steps[a];
+                        horner::<FMA, L>(&axes[a].kernel, u, &mut values[a]);
+                    }
                     if R > D {
                         let weight = f64::from_bits(record[D]);
                         values[D - 1].iter_mut().for_each(|v| *v *= weight);
                     }
-                    let start: usize = (0..D).map(|a| places[a].0 * steps[a]).sum();
                     let cells = &mut self.cells[start - self.first * steps[D - 1]..];
                     match D {
                         1 => add::<FMA, L>(cells, 1.0, &values[0]),
@@ -316,14 +321,14 @@ fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
 
 /// All pieces of the kernel at `u`, by Horner's rule.
 #[inline(always)]
-fn values<const FMA: bool, const L: usize>(kernel: &Kernel, u: f64) -> [f64; L] {
-    let mut values = [0.0; L];
+fn horner<const FMA: bool, const L: usize>(kernel: &Kernel, u: f64, values: &mut [f64; L]) {
+    let mut sums = [0.0; L];
     for power in kernel.pieces() {
-        for (value, c) in values.iter_mut().zip(power) {
-            *value = fused::<FMA>(*value, u, *c);
+        for (sum, c) in sums.iter_mut().zip(power) {
+            *sum = fused::<FMA>(*sum, u, *c);
         }
     }
-    values
+    *values = sums;
 }
 
 /// `cells += factor * values`

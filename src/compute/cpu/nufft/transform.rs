@@ -99,22 +99,20 @@ impl Transform {
         (numbers.sum::<usize>() * size_of::<Complex<f64>>()) as u64
     }
 
-    pub(super) fn worker(&self) -> Worker {
-        let zeros = |len| vec![Complex::default(); len];
+    /// Makes a worker fit.
+    pub(super) fn prepare(&self, worker: &mut Worker) {
         let last = self.axes.len() - 1;
-        let axis = |(a, axis): (usize, &AxisTransform)| {
+        worker.axes.resize_with(self.axes.len(), AxisWorker::default);
+        for (a, (axis, worker)) in self.axes.iter().zip(&mut worker.axes).enumerate() {
             let (line, scratch) = match &axis.fft {
                 AxisFft::Real(fft) => (fft.complex_len(), fft.get_scratch_len()),
                 AxisFft::Complex(fft) => (fft.len().next_multiple_of(BLOCK), fft.get_inplace_scratch_len()),
             };
-            AxisWorker {
-                line: zeros(line),
-                slabs: zeros(if a == 0 { 0 } else { self.modes(a) * BLOCK }),
-                columns: zeros(if a < last { self.columns(a) } else { 0 }),
-                scratch: zeros(scratch),
-            }
-        };
-        Worker { axes: self.axes.iter().enumerate().map(axis).collect() }
+            worker.line.resize(line, Complex::default());
+            worker.slabs.resize(if a == 0 { 0 } else { self.modes(a) * BLOCK }, Complex::default());
+            worker.columns.resize(if a < last { self.columns(a) } else { 0 }, Complex::default());
+            worker.scratch.resize(scratch, Complex::default());
+        }
     }
 
     /// The amplitudes of the grid `cells`, which it overwrites, as `finish` makes them, in the order of `WaveGrid`. `columns`
@@ -164,13 +162,7 @@ impl Transform {
     }
 
     /// Transforms slabs of axis `a` and transposes them: columns of `BLOCK` numbers per frequency.
-    fn block(
-        &self,
-        a: usize,
-        slabs: &mut [f64],
-        columns: &mut [Complex<f64>],
-        workers: &mut [AxisWorker],
-    ) -> Result<()> {
+    fn block(&self, a: usize, slabs: &mut [f64], columns: &mut [Complex<f64>], workers: &mut [AxisWorker]) -> Result<()> {
         let modes = self.modes(a);
         let (before, own) = workers.split_at_mut(a);
         let own = &mut own[0];
@@ -203,12 +195,7 @@ impl Transform {
     }
 
     /// The frequencies `0 ..= largest` of one row of the first axis.
-    fn row(
-        &self,
-        cells: &mut [f64],
-        worker: &mut AxisWorker,
-        mut write: impl FnMut(usize, Complex<f64>),
-    ) -> Result<()> {
+    fn row(&self, cells: &mut [f64], worker: &mut AxisWorker, mut write: impl FnMut(usize, Complex<f64>)) -> Result<()> {
         self.grid.fold(0, cells);
         let (axis, own) = (&self.grid.axes[0], &self.axes[0]);
         let AxisFft::Real(fft) = &own.fft else { return Ok(()) };
