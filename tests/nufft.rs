@@ -162,13 +162,31 @@ fn a_planted_fault_is_caught() {
 fn every_shape_of_grid_and_every_kind_of_points() {
     let end = u64::MAX;
     for f in [
-        &[0][..], &[1], &[2], &[3], &[100], &[1000],
-        &[0, 0], &[0, 5], &[5, 0], &[1, 1], &[2, 31], &[40, 3],
-        &[0, 0, 0], &[0, 3, 4], &[4, 0, 3], &[3, 4, 0], &[0, 0, 6], &[6, 0, 0], &[1, 2, 9], &[12, 2, 1],
+        &[0][..],
+        &[1],
+        &[2],
+        &[3],
+        &[100],
+        &[1000],
+        &[0, 0],
+        &[0, 5],
+        &[5, 0],
+        &[1, 1],
+        &[2, 31],
+        &[40, 3],
+        &[0, 0, 0],
+        &[0, 3, 4],
+        &[4, 0, 3],
+        &[3, 4, 0],
+        &[0, 0, 6],
+        &[6, 0, 0],
+        &[1, 2, 9],
+        &[12, 2, 1],
     ] {
         let (dim, grid) = (f.len(), grid(f));
         // Cells have corners at multiples of 1 / 5-smooth numbers; powers of two are such points whatever the grid.
-        let corners: Vec<u64> = vec![0, 1, 1 << 63, (1 << 63) - 1, 1 << 62, 3 << 60, 7 << 55, end, end - 1, end / 3, end / 5];
+        let corners: Vec<u64> =
+            vec![0, 1, 1 << 63, (1 << 63) - 1, 1 << 62, 3 << 60, 7 << 55, end, end - 1, end / 3, end / 5];
         let same = |x: u64, n: usize| Case { axes: vec![vec![x; n]; dim], weights: None };
         let turned = |a: usize| corners.iter().cycle().skip(4 * a).take(corners.len()).copied().collect();
         let cases = [
@@ -187,7 +205,10 @@ fn every_shape_of_grid_and_every_kind_of_points() {
                 let found = case.amplitudes(&grid, tolerance, points);
                 let error = max_error(&found, &reference);
                 assert!(error <= tolerance * case.scale(), "{name}, |m| <= {f:?}, {tolerance:e}: {error:e}");
-                assert!((found[grid.dc()].re - reference[grid.dc()].re).abs() <= 1e-15 * case.scale() && found[grid.dc()].im == 0.0);
+                assert!(
+                    (found[grid.dc()].re - reference[grid.dc()].re).abs() <= 1e-15 * case.scale()
+                        && found[grid.dc()].im == 0.0
+                );
                 let power = case.power(&grid, tolerance, points);
                 for (index, (p, s)) in power.iter().zip(&found).enumerate() {
                     assert_eq!(*p, s.norm_sqr(), "{name}, mode {:?}", grid.mode(index));
@@ -202,9 +223,9 @@ fn high_frequencies_lose_nothing() {
     // 65,537 is no frequency of the fine grid's length, so neighbouring points are told apart by the fraction alone.
     let (grid, case) = (grid(&[65_537]), Case::uniform(1, 1000, 8));
     let found = case.amplitudes(&grid, HIGH_TOLERANCE, FINE);
-    let worst = (0..400).map(|k| 65_537 - k * k % 65_000).map(|m: i32| {
-        (found[m as usize] - case.amplitude([m, 0, 0])).norm() / 1000f64.sqrt()
-    });
+    let worst = (0..400)
+        .map(|k| 65_537 - k * k % 65_000)
+        .map(|m: i32| (found[m as usize] - case.amplitude([m, 0, 0])).norm() / 1000f64.sqrt());
     let worst = worst.fold(0.0, |max: f64, e| if e <= max { max } else { e });
     println!("worst error to |m| = 65,537: {worst:.1e}");
     assert!(worst <= 1e-13);

@@ -12,8 +12,8 @@ mod spread;
 mod threads;
 mod transform;
 
-pub use spread::Points;
 pub(super) use spread::Band;
+pub use spread::Points;
 
 use rayon::ThreadPool;
 use rustfft::num_complex::Complex;
@@ -63,13 +63,22 @@ impl Nufft {
         // An axis without frequencies adds nothing, but for the first, which is the real one.
         let axes: Vec<usize> = (0..grid.dim()).filter(|&a| a == 0 || f[a] > 0).collect();
         let largest: Vec<usize> = axes.iter().map(|&a| f[a]).collect();
-        let upsampling = std::env::var("SIGMA").ok().and_then(|s| s.parse().ok()).unwrap_or(if points < 10.0 { 1.5 } else { UPSAMPLING[2] });
+        let upsampling = std::env::var("SIGMA").ok().and_then(|s| s.parse().ok()).unwrap_or(if points < 10.0 {
+            1.5
+        } else {
+            UPSAMPLING[2]
+        });
         let cells: Vec<usize> = largest.iter().map(|&f| fine_size(upsampling, f)).collect();
         let sigma = |a: usize| cells[a] as f64 / (2 * largest[a]) as f64;
         let least_sigma = (0..axes.len()).map(sigma).fold(f64::INFINITY, f64::min);
-        let width = std::env::var("WIDTH").ok().and_then(|s| s.parse().ok()).unwrap_or(width(tolerance, least_sigma, axes.len()).min(MAX_WIDTH));
+        let width = std::env::var("WIDTH")
+            .ok()
+            .and_then(|s| s.parse().ok())
+            .unwrap_or(width(tolerance, least_sigma, axes.len()).min(MAX_WIDTH));
         let kernels = (0..axes.len()).map(|a| (axes[a], cells[a], Kernel::new(width, sigma(a), 0.1 * tolerance)));
-        if std::env::var("SHOW").is_ok() { eprintln!("cells {cells:?} width {width}"); }
+        if std::env::var("SHOW").is_ok() {
+            eprintln!("cells {cells:?} width {width}");
+        }
         let fine = FineGrid::new(kernels.collect(), level);
         Ok(Self { grid: *grid, transform: Transform::new(fine, &largest) })
     }
@@ -126,8 +135,18 @@ impl Nufft {
         let t0 = std::time::Instant::now();
         fine.spread(points, &mut scratch.sorted, &mut scratch.cells, pool, control)?;
         let t1 = std::time::Instant::now();
-        let r = self.transform.run(&mut scratch.cells, &mut scratch.columns, &mut scratch.workers, pool, control, finish, out);
-        if std::env::var("SHOW").is_ok() { eprintln!("spread {:.3} fft {:.3}", (t1 - t0).as_secs_f64() * 1e3, t1.elapsed().as_secs_f64() * 1e3); }
+        let r = self.transform.run(
+            &mut scratch.cells,
+            &mut scratch.columns,
+            &mut scratch.workers,
+            pool,
+            control,
+            finish,
+            out,
+        );
+        if std::env::var("SHOW").is_ok() {
+            eprintln!("spread {:.3} fft {:.3}", (t1 - t0).as_secs_f64() * 1e3, t1.elapsed().as_secs_f64() * 1e3);
+        }
         r
     }
 }

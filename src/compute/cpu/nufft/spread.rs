@@ -74,7 +74,8 @@ impl FineGrid {
     pub(super) fn new(axes: Vec<(usize, usize, Kernel)>, level: SimdLevel) -> Self {
         let shifts = TILE_SHIFTS[axes.len() - 1];
         let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, Kernel))| {
-            let stored = if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
+            let stored =
+                if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
             Axis { axis, cells, stored, kernel, tile_shift: shifts[a] }
         };
         let mut grid = Self { axes: axes.into_iter().enumerate().map(axis).collect(), level };

@@ -162,7 +162,13 @@ impl Transform {
     }
 
     /// Transforms slabs of axis `a` and transposes them: columns of `BLOCK` numbers per frequency.
-    fn block(&self, a: usize, slabs: &mut [f64], columns: &mut [Complex<f64>], workers: &mut [AxisWorker]) -> Result<()> {
+    fn block(
+        &self,
+        a: usize,
+        slabs: &mut [f64],
+        columns: &mut [Complex<f64>],
+        workers: &mut [AxisWorker],
+    ) -> Result<()> {
         let modes = self.modes(a);
         let (before, own) = workers.split_at_mut(a);
         let own = &mut own[0];
@@ -195,7 +201,12 @@ impl Transform {
     }
 
     /// The frequencies `0 ..= largest` of one row of the first axis.
-    fn row(&self, cells: &mut [f64], worker: &mut AxisWorker, mut write: impl FnMut(usize, Complex<f64>)) -> Result<()> {
+    fn row(
+        &self,
+        cells: &mut [f64],
+        worker: &mut AxisWorker,
+        mut write: impl FnMut(usize, Complex<f64>),
+    ) -> Result<()> {
         self.grid.fold(0, cells);
         let (axis, own) = (&self.grid.axes[0], &self.axes[0]);
         let AxisFft::Real(fft) = &own.fft else { return Ok(()) };
