@@ -85,23 +85,15 @@ by_level! {
     add_terms = terms::add(vector: &Vector, points: &Points<'_>, sums: &mut [[f64; LANES]; 2]);
 }
 
-/// Spreads the points of a band.
+/// Spreads the points of a band. Wider vectors than those of AVX2 are no faster: few of them lie within one cache line.
 pub(super) fn spread(level: SimdLevel, band: Band<'_>, weighted: bool) {
-    match level {
+    #[cfg(target_arch = "x86_64")]
+    if level >= SimdLevel::Avx2 {
         // SAFETY: the level was detected.
-        #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx512 => unsafe { spread_avx512(band, weighted) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        SimdLevel::Avx2 => unsafe { spread_avx2(band, weighted) },
-        _ => band.spread::<false>(weighted),
+        return unsafe { spread_avx2(band, weighted) };
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn spread_avx512(band: Band<'_>, weighted: bool) {
-    band.spread::<true>(weighted);
+    let _ = level;
+    band.spread::<false>(weighted);
 }
 
 #[cfg(target_arch = "x86_64")]

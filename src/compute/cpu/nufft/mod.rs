@@ -32,11 +32,71 @@ pub const FAST_TOLERANCE: f64 = 1e-9;
 /// The tolerance of accuracy `high`.
 pub const HIGH_TOLERANCE: f64 = 1e-14;
 
-/// Tolerances that can be asked for.
+/// Tolerances that can be asked for: what the widest kernel and rounding in f64 allow.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-14..=0.1;
 
-/// How much finer than the frequencies wanted the grid may be: `cells >= sigma * 2 F`.
-const UPSAMPLING: [f64; 3] = [1.25, 1.5, 2.0];
+/// How much finer than the frequencies wanted the grid may be, `cells >= sigma * 2 F`: a finer grid makes longer transforms
+/// and narrower kernels.
+const UPSAMPLING: [f64; 3] = [1.5, 2.0, 2.25];
+
+/// Nanoseconds of one thread, measured where `fma_gflop` reaches 128 GFLOP/s: per point (its place in the sort and its kernel
+/// values), per row of cells that a point is added to and per cell of such a row, and per cell of the grid (set to 0, fold,
+/// transform).
+const POINT_NS: f64 = 18.0;
+const ROW_NS: f64 = 1.4;
+const ROW_CELL_NS: f64 = 0.08;
+const CELL_NS: f64 = 3.5;
+
+/// The sizes that follow from a grid, a tolerance and the number of points.
+#[derive(Debug, Clone, PartialEq)]
+struct Sizes {
+    /// The axes that are transformed; one without frequencies adds nothing, but for the first, which is the real one.
+    axes: Vec<usize>,
+    largest: Vec<usize>,
+    cells: Vec<usize>,
+    width: usize,
+}
+
+impl Sizes {
+    /// The fastest that keep the tolerance.
+    fn new(grid: &WaveGrid, tolerance: f64, points: f64) -> Result<Self> {
+        if !TOLERANCES.contains(&tolerance) {
+            let reason = format!("expected {} to {}", number(*TOLERANCES.start()), number(*TOLERANCES.end()));
+            return Err(Error::setting("--tolerance", number(tolerance), reason));
+        }
+        let f = grid.max_frequency().map(|f| f as usize);
+        let axes: Vec<usize> = (0..grid.dim()).filter(|&a| a == 0 || f[a] > 0).collect();
+        let largest: Vec<usize> = axes.iter().map(|&a| f[a]).collect();
+        let with = |upsampling: f64| {
+            let cells: Vec<usize> = largest.iter().map(|&f| fine_size(upsampling, f)).collect();
+            let mut sizes = Self { axes: axes.clone(), largest: largest.clone(), cells, width: 0 };
+            let sigma = (0..axes.len()).map(|a| sizes.sigma(a)).fold(f64::INFINITY, f64::min);
+            sizes.width = width(tolerance, sigma, axes.len());
+            sizes
+        };
+        let possible = UPSAMPLING.map(with).into_iter().filter(|sizes| sizes.width <= MAX_WIDTH);
+        possible
+            .min_by(|a, b| a.nanoseconds(points).total_cmp(&b.nanoseconds(points)))
+            .ok_or_else(|| Error::setting("--tolerance", number(tolerance), "no kernel is wide enough"))
+    }
+
+    /// How much finer than its frequencies axis `a` is.
+    fn sigma(&self, a: usize) -> f64 {
+        self.cells[a] as f64 / (2 * self.largest[a]) as f64
+    }
+
+    fn nanoseconds(&self, points: f64) -> f64 {
+        let rows = self.width.pow(self.axes.len() as u32 - 1) as f64;
+        let cells = self.cells.iter().map(|&c| c as f64).product::<f64>();
+        points * (POINT_NS + rows * (ROW_NS + ROW_CELL_NS * spread::lanes(self.width) as f64)) + CELL_NS * cells
+    }
+}
+
+/// The estimated time of one realization on one thread, in nanoseconds where `fma_gflop` reaches 128 GFLOP/s. An error for
+/// a tolerance that cannot be kept.
+pub fn nanoseconds(grid: &WaveGrid, tolerance: f64, points: f64) -> Result<f64> {
+    Ok(Sizes::new(grid, tolerance, points)?.nanoseconds(points))
+}
 
 /// A plan for all realizations that share a grid of modes.
 pub struct Nufft {
@@ -54,33 +114,16 @@ pub struct Scratch {
 }
 
 impl Nufft {
+    /// Plans the modes of a grid for realizations of about `points` points each, by which the fastest sizes are chosen.
+    ///
+    /// The error of all amplitudes, relative in l2 to those of uniform points, is at most `tolerance`, and that of no single
+    /// one is above `2 tolerance sum |w|`. Tolerances from 1e-14 to 0.1 can be kept; any other is an error.
     pub fn new(grid: &WaveGrid, tolerance: f64, points: f64, level: SimdLevel) -> Result<Self> {
-        if !TOLERANCES.contains(&tolerance) {
-            let (least, most) = (number(*TOLERANCES.start()), number(*TOLERANCES.end()));
-            return Err(Error::setting("--tolerance", number(tolerance), format!("expected {least} to {most}")));
-        }
-        let f = grid.max_frequency().map(|f| f as usize);
-        // An axis without frequencies adds nothing, but for the first, which is the real one.
-        let axes: Vec<usize> = (0..grid.dim()).filter(|&a| a == 0 || f[a] > 0).collect();
-        let largest: Vec<usize> = axes.iter().map(|&a| f[a]).collect();
-        let upsampling = std::env::var("SIGMA").ok().and_then(|s| s.parse().ok()).unwrap_or(if points < 10.0 {
-            1.5
-        } else {
-            UPSAMPLING[2]
-        });
-        let cells: Vec<usize> = largest.iter().map(|&f| fine_size(upsampling, f)).collect();
-        let sigma = |a: usize| cells[a] as f64 / (2 * largest[a]) as f64;
-        let least_sigma = (0..axes.len()).map(sigma).fold(f64::INFINITY, f64::min);
-        let width = std::env::var("WIDTH")
-            .ok()
-            .and_then(|s| s.parse().ok())
-            .unwrap_or(width(tolerance, least_sigma, axes.len()).min(MAX_WIDTH));
-        let kernels = (0..axes.len()).map(|a| (axes[a], cells[a], Kernel::new(width, sigma(a), 0.1 * tolerance)));
-        if std::env::var("SHOW").is_ok() {
-            eprintln!("cells {cells:?} width {width}");
-        }
-        let fine = FineGrid::new(kernels.collect(), level);
-        Ok(Self { grid: *grid, transform: Transform::new(fine, &largest) })
+        let sizes = Sizes::new(grid, tolerance, points)?;
+        // Polynomials err little next to aliasing, even where their error is lifted most.
+        let kernel = |a: usize| Kernel::new(sizes.width, sizes.sigma(a), 0.02 * tolerance);
+        let axes = (0..sizes.axes.len()).map(|a| (sizes.axes[a], sizes.cells[a], kernel(a))).collect();
+        Ok(Self { grid: *grid, transform: Transform::new(FineGrid::new(axes, level), &sizes.largest) })
     }
 
     /// Bytes of a `Scratch` for `n` points on `threads` threads.
@@ -91,6 +134,10 @@ impl Nufft {
         (fine.stored() * 8 + columns) as u64 + fine.sorted_bytes(n, weighted) + workers
     }
 
+    /// `s_m = sum_j w_j exp(-2 pi i m.x_j)` of every stored mode, in the order of `WaveGrid`. DC is the sum of the weights.
+    ///
+    /// `points` has the axes of the grid, and `out` the length `half_len`. The same bits come out on one thread (`pool` is
+    /// `None`) and on any pool.
     pub fn amplitudes(
         &self,
         points: &Points<'_>,
@@ -104,6 +151,7 @@ impl Nufft {
         Ok(())
     }
 
+    /// `|s_m|^2` of every stored mode; else as `amplitudes`.
     pub fn power(
         &self,
         points: &Points<'_>,
@@ -132,22 +180,9 @@ impl Nufft {
         scratch.columns.resize(self.transform.columns(fine.axes.len() - 1), Complex::default());
         scratch.workers.resize_with(threads.max(scratch.workers.len()), Worker::default);
         scratch.workers.iter_mut().for_each(|worker| self.transform.prepare(worker));
-        let t0 = std::time::Instant::now();
         fine.spread(points, &mut scratch.sorted, &mut scratch.cells, pool, control)?;
-        let t1 = std::time::Instant::now();
-        let r = self.transform.run(
-            &mut scratch.cells,
-            &mut scratch.columns,
-            &mut scratch.workers,
-            pool,
-            control,
-            finish,
-            out,
-        );
-        if std::env::var("SHOW").is_ok() {
-            eprintln!("spread {:.3} fft {:.3}", (t1 - t0).as_secs_f64() * 1e3, t1.elapsed().as_secs_f64() * 1e3);
-        }
-        r
+        let Scratch { cells, columns, workers, .. } = scratch;
+        self.transform.run((cells, columns, workers), pool, control, finish, out)
     }
 }
 

@@ -20,7 +20,7 @@ use crate::error::Result;
 const CHUNK: usize = 1 << 15;
 
 /// Cells of a tile in 1D, 2D and 3D, last axis last, as powers of two; no band is thinner than the widest kernel.
-const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 5, 0], [4, 4, 4]];
+const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 6, 0], [4, 4, 4]];
 
 /// With more tiles than this, pairs are joined: their bookkeeping would take longer than what they save.
 const MAX_TILES: usize = 1 << 14;
@@ -247,7 +247,7 @@ pub(in super::super) struct Band<'a> {
 }
 
 /// f64 in the vectors that hold a kernel.
-fn lanes(width: usize) -> usize {
+pub(super) fn lanes(width: usize) -> usize {
     if width <= 8 { 8 } else { 16 }
 }
 
@@ -336,8 +336,11 @@ fn horner<const FMA: bool, const L: usize>(kernel: &Kernel, u: f64, values: &mut
 #[inline(always)]
 fn add<const FMA: bool, const L: usize>(cells: &mut [f64], factor: f64, values: &[f64; L]) {
     if let Some(cells) = cells.first_chunk_mut::<L>() {
-        for (cell, value) in cells.iter_mut().zip(values) {
-            *cell = fused::<FMA>(factor, *value, *cell);
+        // In a copy, which the compiler keeps in whole vectors.
+        let mut sums = *cells;
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum = fused::<FMA>(factor, *value, *sum);
         }
+        *cells = sums;
     }
 }

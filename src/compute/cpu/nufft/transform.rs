@@ -119,9 +119,7 @@ impl Transform {
     /// are for the last axis.
     pub(super) fn run<T: Send>(
         &self,
-        cells: &mut [f64],
-        columns: &mut [Complex<f64>],
-        workers: &mut [Worker],
+        (cells, columns, workers): (&mut [f64], &mut [Complex<f64>], &mut [Worker]),
         pool: Option<&ThreadPool>,
         control: &Control,
         finish: impl Fn(Complex<f64>) -> T + Sync,
