@@ -48,8 +48,10 @@ pub struct ProductCosts {
     pub entry: f64,
     /// A point's four products of cosines and sines at a row and a column.
     pub mode: f64,
-    /// A mode's sum over a panel, and its power.
+    /// Adding their sums over a panel to those of all points.
     pub panel: f64,
+    /// Making amplitudes of them.
+    pub finish: f64,
     /// Beginning.
     pub start: f64,
 }
@@ -57,16 +59,14 @@ pub struct ProductCosts {
 /// What a transform takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NufftCosts {
-    /// Sorting a point, and finding its place.
+    /// Sorting a point, and its kernel along every axis.
     pub point: f64,
-    /// The kernel of a point along an axis, per cell of its width and term of its polynomial.
-    pub kernel: f64,
-    /// Adding to a cell.
+    /// A row of cells that a point is added to.
+    pub row: f64,
+    /// A cell of it, in whole vectors.
     pub add: f64,
-    /// A cell of the fine grid, cleared, folded and read once per axis.
+    /// A cell of the fine grid: cleared, folded and transformed.
     pub cell: f64,
-    /// The same for each doubling of the number of cells along an axis.
-    pub butterfly: f64,
     /// Beginning.
     pub start: f64,
 }
@@ -78,17 +78,17 @@ impl WaveCosts {
     /// Fitted to the times that `benches/wave_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512).
     pub const CPU: Self = Self {
         device: "the CPU, one thread",
-        f32: ProductCosts { entry: 0.45, mode: 0.076, panel: 1.5, start: 2000.0 },
-        f64: ProductCosts { entry: 1.0, mode: 0.15, panel: 2.0, start: 2000.0 },
+        f32: ProductCosts { entry: 1.1, mode: 0.065, panel: 1.6, finish: 9.5, start: 230.0 },
+        f64: ProductCosts { entry: 1.25, mode: 0.112, panel: 7.5, finish: 5.6, start: 250.0 },
         term: 2.5,
-        nufft: Some(NufftCosts { point: 20.0, kernel: 0.1, add: 0.15, cell: 1.0, butterfly: 0.15, start: 10_000.0 }),
+        nufft: Some(NufftCosts { point: 28.0, row: 1.4, add: 0.1, cell: 7.0, start: 50_000.0 }),
     };
 
     /// Reasoned, not measured, for a GPU of the size of an NVIDIA H200: 30 TFLOP/s in f32, half of that in f64.
     pub const GPU: Self = Self {
         device: "a GPU, by reasoned costs",
-        f32: ProductCosts { entry: 0.001, mode: 0.000_27, panel: 0.001, start: 1e5 },
-        f64: ProductCosts { entry: 0.002, mode: 0.000_54, panel: 0.002, start: 1e5 },
+        f32: ProductCosts { entry: 0.001, mode: 0.000_27, panel: 0.001, finish: 0.001, start: 1e5 },
+        f64: ProductCosts { entry: 0.002, mode: 0.000_54, panel: 0.002, finish: 0.002, start: 1e5 },
         term: 2.5,
         nufft: None,
     };
@@ -116,8 +116,9 @@ impl WaveRoad {
             found.push(estimate(Self::DirectF32, costs.f32.nanoseconds(grid, share, n)));
         }
         found.push(estimate(Self::DirectF64, costs.f64.nanoseconds(grid, share, n)));
-        if let Some(nufft) = costs.nufft.filter(|_| nufft_bytes(grid) <= MEMORY_BUDGET as f64) {
-            found.push(estimate(Self::Nufft, nufft.nanoseconds(grid, accuracy, n)));
+        let fits = nufft_bytes(grid) <= MEMORY_BUDGET as f64;
+        if let (Some(nufft), Some(tolerance), true) = (costs.nufft, accuracy.nufft_tolerance(), fits) {
+            found.push(estimate(Self::Nufft, nufft.nanoseconds(grid, tolerance, n)));
         }
         found
     }
@@ -146,7 +147,7 @@ impl ProductCosts {
         let panels = (n / PANEL).ceil();
         self.start
             + n * (rows + columns) * self.entry
-            + rows * columns * share * (n * self.mode + (panels + 1.0) * self.panel)
+            + rows * columns * share * (n * self.mode + panels * self.panel + self.finish)
     }
 }
 
@@ -161,17 +162,13 @@ fn nufft_bytes(grid: &WaveGrid) -> f64 {
 }
 
 impl NufftCosts {
-    fn nanoseconds(&self, grid: &WaveGrid, accuracy: Accuracy, n: f64) -> f64 {
-        // As in `nufft::kernel`, for a grid twice as fine as need be.
-        let width = ((1.0 / accuracy.nufft_tolerance()).ln() / (PI * 0.5f64.sqrt()) + 0.5).ceil();
-        let axes: Vec<f64> = grid.max_frequency()[..grid.dim()].iter().map(|&f| 4.0 * f64::from(f).max(0.25)).collect();
-        let d = axes.len() as f64;
-        let cells: f64 = axes.iter().product();
-        let doublings = axes.iter().map(|c| c.log2()).sum::<f64>();
-        let lanes = (width / 8.0).ceil() * 8.0;
-        self.start
-            + n * (self.point + d * self.kernel * lanes * (width + 3.0) + self.add * lanes * width.powf(d - 1.0))
-            + cells * (d * self.cell + doublings * self.butterfly)
+    fn nanoseconds(&self, grid: &WaveGrid, tolerance: f64, n: f64) -> f64 {
+        // The width as in `nufft::kernel`, for a grid twice as fine as need be.
+        let d = grid.dim() as f64;
+        let width = ((1.0 / tolerance).ln() / (PI * 0.5f64.sqrt()) + 0.65 + 0.3 * d).ceil();
+        let lanes = if width <= 8.0 { 8.0 } else { 16.0 };
+        let rows = width.powf(d - 1.0);
+        self.start + n * (self.point + rows * (self.row + self.add * lanes)) + cells(grid) * self.cell
     }
 }
 

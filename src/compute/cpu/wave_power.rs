@@ -93,10 +93,14 @@ impl<'a> AnyRoad<'a> {
         Ok(match (&plan.waves, road) {
             (WaveVectors::List(list), _) => Self::Terms(Terms::new(cpu, list)),
             (WaveVectors::Grid(grid), WaveRoad::DirectF32) => Self::F32(Product::new(cpu, grid, plan.needed(), parts)),
-            (WaveVectors::Grid(grid), WaveRoad::DirectF64) => Self::F64(Product::new(cpu, grid, plan.needed(), parts)),
-            (WaveVectors::Grid(grid), WaveRoad::Nufft) => {
-                let tolerance = plan.accuracy.nufft_tolerance();
-                Self::Nufft(Box::new(Nufft::new(grid, tolerance, points as f64, cpu.level())?), grid.dc())
+            (WaveVectors::Grid(grid), road) => {
+                match plan.accuracy.nufft_tolerance().filter(|_| road == WaveRoad::Nufft) {
+                    Some(tolerance) => {
+                        let nufft = Nufft::new(grid, tolerance, points as f64, cpu.level())?;
+                        Self::Nufft(Box::new(nufft), grid.dc())
+                    }
+                    None => Self::F64(Product::new(cpu, grid, plan.needed(), parts)),
+                }
             }
         })
     }
