@@ -937,7 +937,7 @@ fn equal_weights_change_nothing() {
 /// The covariance of a sampler's amplitudes for |m_k| <= `b`, all points of a realization moved by a random shift if `shifted`.
 fn covariance(name: &str, n: u64, k: u64, dim: usize, b: u32, shifted: bool) -> (Ensemble, AmplitudeCovariance) {
     let sampler = find(name).unwrap();
-    let values = ParameterValues::parse(sampler, &[]).unwrap();
+    let values = ParameterValues::parse(sampler, &[] as &[&str]).unwrap();
     let mut sets = Vec::new();
     for index in 0..k {
         let which = pairwave::samplers::Realization { n, dim, seed: 5, index };
@@ -955,8 +955,8 @@ fn covariance(name: &str, n: u64, k: u64, dim: usize, b: u32, shifted: bool) -> 
 }
 
 /// The mode at an index of the matrix, in 2D.
-fn mode_2d(index: usize, b: i32) -> [i32; 3] {
-    let side = 2 * b + 1;
+fn mode_2d(index: usize, b: u32) -> [i32; 3] {
+    let (b, side) = (b as i32, 2 * b as i32 + 1);
     [index as i32 / side - b, index as i32 % side - b, 0]
 }
 
