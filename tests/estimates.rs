@@ -1056,7 +1056,7 @@ fn jittered_sets_in_place_are_correlated() {
         }
     }
     assert!((0.9..1.1).contains(&(squares / f64::from(count)).sqrt()), "{}", squares / f64::from(count));
-    assert!(seen > 500 && found.scalars.largest_z.unwrap() > 10.0, "{seen}");
+    assert!(seen >= 30 && found.scalars.largest_z.unwrap() > 10.0, "{seen}");
 }
 
 /// A single realization has no expectation, and no error of it.
