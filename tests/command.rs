@@ -858,3 +858,31 @@ fn rings_of_some_directions() {
     scratch.ok("analyze --sampler random -n 2 --stats radial --max-frequency 20000 --ring-directions 2 --out far");
     assert_eq!(csv(&scratch.path("far/spectrum_radial.csv")).1.len(), 20_000);
 }
+
+/// The covariance of amplitudes: the matrix, its errors, a picture and a few numbers; a single realization is told apart.
+#[test]
+fn covariances_reach_the_files() {
+    let scratch = Scratch::new();
+    let points = "analyze --sampler jittered -n 64 --dim 2 --stats covariance --covariance-frequency 3";
+    scratch.ok(&format!("{points} -k 40 --out many --threads 1"));
+    scratch.ok(&format!("{points} -k 40 --out again --threads 3"));
+    scratch.ok(&format!("{points} -k 1 --out one"));
+    let bytes = |dir: &str, file: &str| std::fs::read(scratch.path(dir).join(file)).unwrap();
+    for file in ["covariance.npy", "covariance_se.npy", "covariance.png"] {
+        assert!(bytes("many", file) == bytes("again", file), "{file}");
+    }
+    let header = String::from_utf8_lossy(&bytes("many", "covariance.npy")[..80]).into_owned();
+    assert!(header.contains("'<c16'") && header.contains("(49, 49, )"), "{header}");
+    let (shape, se) = npy(&scratch.path("many/covariance_se.npy"));
+    assert!(shape == [49, 49] && se.iter().all(|x| x.is_finite()));
+    let many = summary(&scratch.path("many"));
+    let found = &many["covariance"];
+    assert_eq!((found["modes"].as_u64(), found["max_frequency"].as_u64()), (Some(49), Some(3)));
+    assert!(found["rms_z"].as_f64().unwrap() > 0.0 && found["off_diagonal_share"].as_f64().unwrap() < 1.0);
+    assert!(std::fs::read_to_string(scratch.path("many/report.html")).unwrap().contains("Covariance of amplitudes"));
+    let one = summary(&scratch.path("one"));
+    assert!(one["covariance"]["rms_z"].is_null() && !scratch.path("one/covariance_se.npy").exists());
+    assert!(one["warnings"][0].as_str().unwrap().contains("expectation over realizations"));
+    let refused = scratch.run(&format!("{points}000 -k 2 --out huge"));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("bytes") && refused.status.code() == Some(2));
+}

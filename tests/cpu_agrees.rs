@@ -11,7 +11,8 @@ use pairwave::accumulate::{LEAF, WavePower};
 use pairwave::compute::cpu::{Cpu, SimdLevel};
 use pairwave::compute::{Compute, Control};
 use pairwave::plan::{
-    Accuracy, Correction, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts, WaveList, WavePlan, WaveVectors,
+    Accuracy, Correction, CovariancePlan, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts, WaveList, WavePlan,
+    WaveVectors,
 };
 use pairwave::points::{Domain, Ensemble};
 
@@ -646,5 +647,43 @@ fn lag_counts_do_not_depend_on_threads() {
         let three = cpu(3).lag_counts(&plan, &ensemble, &Control::default()).unwrap();
         one.computed_by = three.computed_by.clone();
         assert_eq!(one, three);
+    }
+}
+
+/// Products of amplitudes are the reference's, and the same bytes on any number of threads and for any cut.
+#[test]
+fn covariances_equal_the_reference() {
+    let sizes = |k: u64| 20 + (k % 3) as usize;
+    for (dim, weighted, realizations) in [(1, false, 1), (2, false, 35), (2, true, 18), (3, false, 2)] {
+        let sets: Vec<_> = (0..realizations).map(|k| uniform(dim, sizes(k), k)).collect();
+        let mut points = ensemble(&sets);
+        if weighted {
+            let weights: Vec<f64> = (0..points.total_points()).map(|j| (j as f64 * 0.7).sin()).collect();
+            points = points.with_weights(&weights);
+        }
+        let plan = CovariancePlan::new(points.domain(), Some(3), shape(&points)).unwrap();
+        let of = |compute: &dyn Compute, points: &Ensemble| {
+            compute.wave_covariance(&plan, points, &Control::default()).unwrap().unwrap()
+        };
+        let truth = of(&pairwave::compute::reference::Reference, &points).totals();
+        let whole = of(&cpu(1), &points);
+        let found = whole.totals();
+        let near = |a: &[f64], b: &[f64]| {
+            let top = b.iter().fold(1.0, |t: f64, x| t.max(x.abs()));
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-12 * top)
+        };
+        assert!(near(&found.products, &truth.products), "{dim}D products");
+        assert!(near(&found.products_n, &truth.products_n), "{dim}D products with norms");
+        assert!(near(&found.powers, &truth.powers) && near(&found.norms, &truth.norms), "{dim}D powers");
+        for threads in [2, 3] {
+            assert_eq!(of(&cpu(threads), &points).totals(), found, "{threads} threads");
+        }
+        if realizations > LEAF {
+            let cut = LEAF as usize;
+            let mut parts = of(&cpu(2), &points.slice(cut..realizations as usize));
+            parts.merge(of(&cpu(1), &points.slice(0..cut))).unwrap();
+            assert_eq!((parts.totals(), parts.realizations), (found, realizations));
+            assert!(parts.merge(of(&cpu(1), &points.slice(0..cut))).is_err());
+        }
     }
 }
