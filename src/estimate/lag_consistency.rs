@@ -86,7 +86,7 @@ fn transform(counts: &[u64], bins: usize, dim: usize) -> Vec<Complex<f64>> {
     let mut line = vec![Complex::default(); bins];
     for axis in 0..dim {
         let stride = bins.pow((dim - 1 - axis) as u32);
-        for start in (0..values.len()).filter(|i| i / stride % bins == 0) {
+        for start in (0..values.len()).filter(|i| (i / stride).is_multiple_of(bins)) {
             line.iter_mut().enumerate().for_each(|(k, v)| *v = values[start + k * stride]);
             fft.process(&mut line);
             line.iter().enumerate().for_each(|(k, v)| values[start + k * stride] = *v);

@@ -64,7 +64,7 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Svg> {
         let Band { lo, hi, .. } = s.band?;
         Some((lo / expected, hi / expected))
     };
-    let ends: Vec<f64> = sectors.iter().filter_map(|s| relative(s)).flat_map(|(lo, hi)| [lo, hi]).collect();
+    let ends: Vec<f64> = sectors.iter().filter_map(relative).flat_map(|(lo, hi)| [lo, hi]).collect();
     let values: Vec<f64> = sectors.iter().filter_map(|s| s.ratio).collect();
     let lowest = values.iter().chain(&ends).copied().fold(0.98, f64::min);
     let highest = values.iter().chain(&ends).copied().fold(1.02, f64::max);
