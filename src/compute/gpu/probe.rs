@@ -332,7 +332,9 @@ fn precise_power(compute: &GpuCompute) -> Result<Result<String, String>> {
     let lattice = (0..128u32).flat_map(|i| [i, i * 45 % 128].map(|x| f64::from(x) / 128.0)).collect();
     let (ensemble_2, shape_2) = ensemble(&Domain::unit_torus(2), &[lattice])?;
     let zeros = power_of(compute, &[24, 24], Accuracy::High, &ensemble_2, shape_2)?;
-    let (ensemble_3, shape_3) = ensemble(&Domain::unit_torus(3), &[uniform(1100, 3), uniform(40, 3)])?;
+    // Fractions of more than 32 bits.
+    let fine = |n: u32| (0..3 * n).map(|i| unit(i) + unit(i + 9) / 4_294_967_296.0).collect();
+    let (ensemble_3, shape_3) = ensemble(&Domain::unit_torus(3), &[fine(1100), fine(40)])?;
     let weights: Vec<f64> = (0..1140).map(|i| unit(7 * i + 3) - 0.4).collect();
     let scattered = power_of(compute, &[4, 3, 2], Accuracy::High, &ensemble_3.with_weights(&weights), shape_3)?;
     Ok(zeros.and_then(|zeros| scattered.map(|scattered| format!("{zeros}; with weights {scattered}"))))
