@@ -20,7 +20,7 @@ use crate::compute::{Compute, ComputedBy, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
     CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation, PowerSpectrum,
-    PsaStatistics, RadialSpectrum, VectorCorrelation,
+    PsaStatistics, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, Taper, TaperPlan};
 use crate::points::{Domain, Ensemble};
@@ -66,6 +66,8 @@ pub struct Analysis {
     pub bug_compatible: bool,
     /// What PSA says of the spectrum, by its own route.
     pub psa: Option<PsaStatistics>,
+    /// What else is read off P.
+    pub details: Option<SpectrumDetails>,
     /// Nearest-neighbour statistics.
     pub neighbors: Option<Neighbors>,
     /// What theory says, where the process has a closed form.
@@ -264,6 +266,15 @@ pub fn run(
         }
         _ => None,
     };
+    let details = match (&plan.waves, &sums.waves, &spectrum, &radial) {
+        // They are of our rings.
+        (Some(plan), Some(sums), Some(spectrum), Some(radial)) if request.convention == Convention::Ours => {
+            // Lag counts take every point alike.
+            let vector = vector.as_ref().filter(|_| request.input.weight_column.is_none());
+            Some(SpectrumDetails::new(plan, sums, spectrum, radial, pair_correlation.as_ref(), vector))
+        }
+        _ => None,
+    };
     let psa = PsaStatistics::new(shape.max_points, &sums.psa);
     if request.convention == Convention::Psa && plan.waves.is_some() && psa.is_none() {
         warnings.push(
@@ -295,6 +306,7 @@ pub fn run(
         convention: request.convention,
         bug_compatible: request.bug_compatible,
         psa,
+        details,
         neighbors,
         closed_form,
         accuracy: request.accuracy,

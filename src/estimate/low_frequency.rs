@@ -53,9 +53,8 @@ impl LowFrequency {
         let mut line = Line::default();
         for _ in 0..4 {
             let largest = level.iter().copied().fold(0.0, f64::max);
-            let weights: Vec<f64> = (0..count)
-                .map(|k| ordinates(k) / level[k].max(0.05 * largest).max(f64::MIN_POSITIVE).powi(2))
-                .collect();
+            let floor = if largest > 0.0 { 0.05 * largest } else { 1.0 };
+            let weights: Vec<f64> = (0..count).map(|k| ordinates(k) / level[k].max(floor).powi(2)).collect();
             line = Line::through(&nu, &p, &weights);
             level = nu.iter().map(|x| line.at_zero + line.slope * x).collect();
         }

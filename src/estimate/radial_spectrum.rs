@@ -42,6 +42,8 @@ pub struct RadialSpectrum {
     /// What the anisotropy of an isotropic spectrum would be: `-10 log10 K` dB, with `K = (sum N)^2 / sum N^2` where the
     /// norms N of realizations differ (n varies, or points have weights).
     pub anisotropy_reference_db: f64,
+    /// That K: how many realizations of equal norm would know as much.
+    pub realizations: f64,
     /// Where `p_se` comes from.
     pub errors: ErrorSource,
 }
@@ -94,6 +96,7 @@ impl RadialSpectrum {
                 // 0 - 0 is 0, where -0 would be printed as such.
                 _ => 0.0 - 10.0 * (realizations.effective * plan.tapers()).log10(),
             },
+            realizations: realizations.effective,
             errors: ErrorSource::of(power.realizations),
         }
     }

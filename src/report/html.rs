@@ -8,6 +8,7 @@ use super::color_map::diverging;
 use super::plots::{kernel_name, packing_symbol, size};
 use super::points_picture;
 use super::spectrum_image::{SpectrumImage, TONE_MAP};
+use super::spectrum_numbers;
 use super::text::{escape, human, with_error};
 use super::vector_image::VectorImage;
 use crate::analysis::Analysis;
@@ -25,6 +26,8 @@ pub(super) struct Pictures {
     pub(super) pcf_angular: Option<String>,
     pub(super) spectrum_radial: Option<String>,
     pub(super) anisotropy: Option<String>,
+    pub(super) spectrum_axes: Option<String>,
+    pub(super) spectrum_angular: Option<String>,
     pub(super) neighbor_functions: Option<String>,
     pub(super) spectrum: Option<SpectrumImage>,
     pub(super) points: Option<String>,
@@ -217,6 +220,9 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
         let db = human(radial.anisotropy_reference_db);
         rows.push(("Anisotropy if isotropic, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
     }
+    if let Some(details) = &a.details {
+        rows.extend(spectrum_numbers::rows(details));
+    }
     rows.push(("Coinciding points".into(), a.duplicates.to_string()));
     if !a.closed_form.name.is_empty() {
         rows.push(("Closed form".into(), escape(&a.closed_form.name)));
@@ -308,13 +314,29 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
             }
             other => format!("the rings of {other} (<i>ν</i> in {})", other.labels()),
         };
-        let caption = format!("{definition}, averaged over {rings}; 1 is the level of independent points.");
+        let caption = format!(
+            "{definition}, averaged over {rings}; 1 is the level of independent points. The wider band holds the expectation with probability 95 %: \
+             by the chi-squared law of exponential ordinates, or from 30 realizations and 100 ordinates on by the standard \
+             error across realizations."
+        );
         figure(html, svg, &caption);
     }
     if let Some(svg) = &pictures.anisotropy {
         let caption = "10 log<sub>10</sub>(<i>s</i><sup>2</sup> / <i>P</i>(<i>ν</i>)<sup>2</sup>) in dB, with \
              <i>s</i><sup>2</sup> the variance of <i>P</i>(<b>m</b>) over the independent modes of a ring; an isotropic \
              spectrum averaged over <i>K</i> realizations scatters around −10 log<sub>10</sub> <i>K</i>.";
+        figure(html, svg, caption);
+    }
+    if let Some(svg) = &pictures.spectrum_axes {
+        let caption = "<i>P</i> at the wave vectors along each axis: the power of the points' projections onto it. A point set \
+             that is stratified along an axis has low power there. Each is a single mode, so that it scatters more than a \
+             ring.";
+        figure(html, svg, caption);
+    }
+    if let Some(svg) = &pictures.spectrum_angular {
+        let caption = "Mean of <i>P</i> over the modes of whole rings whose frequency <b>m</b>/<i>L</i> lies in a sector of \
+             directions, over the mean of the ring means at the same modes: 1 for an isotropic spectrum, however steep. \
+             Opposite directions are the same.";
         figure(html, svg, caption);
     }
     if let Some(image) = &pictures.spectrum {

@@ -11,6 +11,8 @@ mod npy;
 mod plots;
 mod points_picture;
 mod spectrum_image;
+mod spectrum_numbers;
+mod spectrum_plots;
 mod summary;
 mod table;
 mod text;
@@ -37,6 +39,10 @@ const FILES: &[&str] = &[
     "envelope.csv",
     "spectrum_radial.csv",
     "spectrum_list.csv",
+    "spectrum_axes.csv",
+    "spectrum_angular.csv",
+    "spectrum_from_pcf.csv",
+    "pcf_from_spectrum.csv",
     "neighbor_functions.csv",
     "spectrum.npy",
     "spectrum_se.npy",
@@ -50,6 +56,8 @@ const FILES: &[&str] = &[
     "pcf_angular.svg",
     "spectrum_radial.svg",
     "anisotropy.svg",
+    "spectrum_axes.svg",
+    "spectrum_angular.svg",
     "neighbor_functions.svg",
     "spectrum.png",
     "points.svg",
@@ -197,6 +205,10 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
     files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
     files.add("spectrum_list.csv", table::spectrum_list(analysis).map(|t| t.csv()));
+    files.add("spectrum_axes.csv", table::axes(analysis).map(|t| t.csv()));
+    files.add("spectrum_angular.csv", table::sectors(analysis).map(|t| t.csv()));
+    files.add("spectrum_from_pcf.csv", table::spectrum_from_pcf(analysis).map(|t| t.csv()));
+    files.add("pcf_from_spectrum.csv", table::pcf_from_spectrum(analysis).map(|t| t.csv()));
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
     let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
     if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {
@@ -221,6 +233,8 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
         spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
         anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
+        spectrum_axes: files.picture("spectrum_axes.svg", spectrum_plots::axes(analysis)),
+        spectrum_angular: files.picture("spectrum_angular.svg", spectrum_plots::angular(analysis)),
         neighbor_functions: files.picture("neighbor_functions.svg", plots::neighbor_functions(analysis)),
         ..Default::default()
     };

@@ -10,7 +10,7 @@ use crate::analysis::Analysis;
 use crate::estimate::{Envelope, ErrorSource, Normalization, SectorCorrelation};
 use crate::plan::{Convention, SmoothingKernel};
 
-type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
+pub(super) type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
 
 /// `n = 1024, K = 20`.
 pub(super) fn size(analysis: &Analysis) -> String {
@@ -268,8 +268,10 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
     let samples = |y: &[f64]| runs(rings.iter().zip(y).map(|(r, &y)| ((r.nu_lo, r.nu, r.nu_hi), Some(y))));
     let band = rings.iter().map(|r| ((r.nu_lo, r.nu, r.nu_hi), Some((r.p - r.p_se, r.p + r.p_se))));
     let p: Vec<f64> = rings.iter().map(|r| r.p).collect();
+    let confidence = rings.iter().map(|r| ((r.nu_lo, r.nu, r.nu_hi), r.band.map(|b| (b.lo, b.hi))));
     let mut layers = vec![
         Layer::Level { name: "P = 1".into(), y: 1.0 },
+        Layer::Band { name: "95 %".into(), color: SKY, runs: band_runs(confidence) },
         Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(band) },
         Layer::Line { name: "radial mean".into(), color: BLUE, width: 1.6, dashed: false, runs: samples(&p) },
     ];
@@ -429,7 +431,7 @@ fn frequency_label(analysis: &Analysis) -> String {
 }
 
 /// The frequency of one cycle per mean spacing, `lambda^(1/d)`, if it lies in the frame.
-fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
+pub(super) fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
     if analysis.convention != Convention::Ours {
         return None;
     }
@@ -447,7 +449,7 @@ fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
 
 /// The upper end of an axis from 0: everything, unless a few values would squash the rest. Values whose error is of
 /// their own size (the first, nearly empty bins) do not count; well measured ones may rise to 6 times the bulk.
-fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
+pub(super) fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
     let finite: Vec<(f64, f64)> = values.iter().copied().filter(|(v, _)| v.is_finite()).collect();
     let calm: Vec<(f64, f64)> = finite.iter().copied().filter(|&(v, se)| se <= 0.3 * v.max(1.0)).collect();
     let (counted, headroom) = if 2 * calm.len() >= finite.len() { (calm, 6.0) } else { (finite, 2.5) };
@@ -469,7 +471,7 @@ fn decades(values: &[(f64, f64)]) -> Option<Range<f64>> {
 }
 
 /// Says so where values lie above the axis, or where there is none.
-fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String {
+pub(super) fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String {
     if !values.clone().any(f64::is_finite) {
         return " · undefined everywhere".into();
     }

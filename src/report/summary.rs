@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::spectrum_numbers::{BandsOut, ConsistencyOut, ScalarsOut};
 use super::vector_image;
 use crate::analysis::Analysis;
 use crate::compute::Backend;
@@ -38,6 +39,8 @@ struct Summary<'a> {
     spectrum: Option<SpectrumOut>,
     radial: Option<RadialOut>,
     convention: Option<ConventionOut>,
+    spectrum_scalars: Option<ScalarsOut>,
+    consistency: Option<ConsistencyOut>,
     neighbors: Option<NeighborsOut>,
     duplicates: u64,
     closed_form: Option<&'a str>,
@@ -160,6 +163,7 @@ struct RadialOut {
     directions: &'static str,
     errors: ErrorSource,
     anisotropy_reference_db: f64,
+    bands: BandsOut,
 }
 
 /// Whose numbers these are, where not ours.
@@ -310,6 +314,7 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             errors: r.errors,
             // -10 log10 1 is -0.
             anisotropy_reference_db: r.anisotropy_reference_db + 0.0,
+            bands: BandsOut::new(r),
         }),
         convention: (a.convention != Convention::Ours).then(|| ConventionOut {
             name: a.convention,
@@ -318,6 +323,8 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             pcf: a.convention.pair_labels(),
             psa: a.psa,
         }),
+        spectrum_scalars: a.details.as_ref().map(ScalarsOut::new),
+        consistency: a.details.as_ref().and_then(ConsistencyOut::new),
         neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
             distances: n.distances,
             functions: FunctionsOut {

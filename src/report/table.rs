@@ -1,7 +1,7 @@
 //! Tables: named columns, and the CSV files made of them.
 
 use crate::analysis::Analysis;
-use crate::estimate::Envelope;
+use crate::estimate::{Band, Envelope};
 
 /// Columns of equal length.
 pub(super) struct Table {
@@ -35,6 +35,13 @@ impl Table {
     fn text(mut self, name: &'static str, values: impl IntoIterator<Item = String>) -> Self {
         self.columns.push((name, values.into_iter().collect()));
         self
+    }
+
+    /// `p_lo`, `p_hi`, and in `p_band` what they rest on.
+    fn bands(self, bands: impl Iterator<Item = Option<Band>> + Clone) -> Self {
+        self.optional("p_lo", bands.clone().map(|b| Some(b?.lo)))
+            .optional("p_hi", bands.clone().map(|b| Some(b?.hi)))
+            .text("p_band", bands.map(|b| b.map_or(String::new(), |b| b.law.name().to_string())))
     }
 
     /// The table as CSV: one header line, then one line per row.
@@ -157,7 +164,62 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
             .optional("anisotropy_db", rings.iter().map(|r| r.anisotropy_db))
             .floats("anisotropy_reference_db", rings.iter().map(|_| radial.anisotropy_reference_db))
             .optional("anisotropy_db_se", rings.iter().map(|r| r.anisotropy_db_se))
-            .integers("independent_modes", rings.iter().map(|r| r.independent_modes)),
+            .integers("independent_modes", rings.iter().map(|r| r.independent_modes))
+            .bands(rings.iter().map(|r| r.band))
+            .floats("m", rings.iter().map(|r| r.m)),
+    )
+}
+
+/// `spectrum_axes.csv`: m in cycles per side of its axis, nu in cycles per unit length.
+pub(super) fn axes(analysis: &Analysis) -> Option<Table> {
+    let modes = &analysis.details.as_ref()?.axes.modes;
+    (!modes.is_empty()).then(|| {
+        Table::new()
+            .text("axis", modes.iter().map(|m| ["x", "y", "z"][m.axis].to_string()))
+            .text("m", modes.iter().map(|m| m.m.to_string()))
+            .floats("nu", modes.iter().map(|m| m.nu))
+            .floats("p", modes.iter().map(|m| m.p))
+            .floats("p_se", modes.iter().map(|m| m.p_se))
+            .bands(modes.iter().map(|m| m.band))
+    })
+}
+
+/// `spectrum_angular.csv`: directions of nu = m / L in degrees from the x axis; `ratio` is P over what the ring means make of
+/// the same modes.
+pub(super) fn sectors(analysis: &Analysis) -> Option<Table> {
+    let sectors = &analysis.details.as_ref()?.angular.as_ref()?.sectors;
+    Some(
+        Table::new()
+            .floats("theta_lo", sectors.iter().map(|s| s.theta[0].to_degrees()))
+            .floats("theta_hi", sectors.iter().map(|s| s.theta[2].to_degrees()))
+            .integers("modes", sectors.iter().map(|s| s.modes))
+            .floats("p", sectors.iter().map(|s| s.p))
+            .floats("p_se", sectors.iter().map(|s| s.p_se))
+            .bands(sectors.iter().map(|s| s.band))
+            .optional("ratio", sectors.iter().map(|s| s.ratio))
+            .optional("ratio_se", sectors.iter().map(|s| s.ratio_se)),
+    )
+}
+
+/// `spectrum_from_pcf.csv`: ring means of P and what g makes of them, with pairs beyond r_max taken as uncorrelated.
+pub(super) fn spectrum_from_pcf(analysis: &Analysis) -> Option<Table> {
+    let s = analysis.details.as_ref()?.of_pcf.as_ref()?;
+    Some(
+        Table::new()
+            .floats("nu", s.nu.iter().copied())
+            .floats("p", s.p.iter().copied())
+            .floats("p_from_g", s.p_from_g.iter().copied()),
+    )
+}
+
+/// `pcf_from_spectrum.csv`: g and what the ring means of P make of it, with P = 1 beyond the last ring.
+pub(super) fn pcf_from_spectrum(analysis: &Analysis) -> Option<Table> {
+    let s = analysis.details.as_ref()?.of_pcf.as_ref()?;
+    Some(
+        Table::new()
+            .floats("r", s.r.iter().copied())
+            .floats("g", s.g.iter().copied())
+            .floats("g_from_p", s.g_from_p.iter().copied()),
     )
 }
 
