@@ -11,8 +11,8 @@ use pairwave::accumulate::{LEAF, WavePower};
 use pairwave::compute::cpu::{Cpu, SimdLevel};
 use pairwave::compute::{Compute, Control};
 use pairwave::plan::{
-    Accuracy, Correction, CovariancePlan, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts, WaveList, WavePlan,
-    WaveVectors,
+    Accuracy, Correction, CovariancePlan, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts, WaveList,
+    WavePlan, WaveVectors,
 };
 use pairwave::points::{Domain, Ensemble};
 
