@@ -41,14 +41,14 @@ def by_finufft(points, f, tolerance, seconds):
 
 def by_numpy(points, f, seconds):
     """The definition as a product of two matrices of phases (2D), or as many rows of it as fit into the time; extrapolated."""
-    start = time.process_time()
     phase = lambda axis, m: np.exp(-2j * np.pi * ((axis[:, None] * m) % 1.0))
+    begin = time.process_time()
     columns = phase(points[:, 1], np.arange(-f[1], f[1] + 1))
-    rows, power, m = [], [], 0
-    while m <= f[0] and (m < 2 or time.process_time() - start < seconds):
-        power.append(np.abs(phase(points[:, 0], np.array([m])).T @ columns) ** 2)
-        m += 1
-    return np.concatenate(power), 1e3 * (time.process_time() - start) * (f[0] + 1) / m
+    start, power = time.process_time(), []
+    while len(power) <= f[0] and (len(power) < 2 or time.process_time() - start < seconds):
+        power.append(np.abs(phase(points[:, 0], np.array([len(power)])).T @ columns) ** 2)
+    end = time.process_time()
+    return np.concatenate(power), 1e3 * (start - begin + (end - start) * (f[0] + 1) / len(power))
 
 
 def error(found, truth):

@@ -1,7 +1,7 @@
 //! The kernel that points are spread with: the exponential of semicircle, its polynomials and its Fourier transform.
 //!
 //! `phi(t) = exp(beta (sqrt(1 - (2 t / w)^2) - 1))` for `|t| <= w / 2`, in cells of the fine grid (Barnett, Magland,
-//! af Klinteberg, SIAM J. Sci. Comput. 41, C479, 2019, eq. 1.8).
+//! af Klinteberg, SIAM J. Sci. Comput. 41, C479, 2019).
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,7 +21,7 @@ pub(super) struct Kernel {
 }
 
 /// The width that keeps the aliasing error of `dim` axes, upsampled by `sigma`, below `tolerance`: its rate is
-/// `exp(-pi w sqrt(1 - 1 / sigma))` (the same paper, eq. 4.9); the cells beyond that are measured, for sigma from 1.5 to
+/// `exp(-pi w sqrt(1 - 1 / sigma))` (the same paper); the cells beyond that are measured, for sigma from 1.5 to
 /// 2.25.
 pub(super) fn width(tolerance: f64, sigma: f64, dim: usize) -> usize {
     let cells = (1.0 / tolerance).ln() / (PI * (1.0 - 1.0 / sigma).sqrt());
@@ -31,7 +31,7 @@ pub(super) fn width(tolerance: f64, sigma: f64, dim: usize) -> usize {
 impl Kernel {
     /// The kernel of `width` cells for a grid upsampled by `sigma`, its polynomials good to `tolerance` of its peak.
     pub(super) fn new(width: usize, sigma: f64, tolerance: f64) -> Self {
-        // The transform then falls to the aliasing error just where the first alias begins (eq. 4.5 and what follows; a
+        // The transform then falls to the aliasing error just where the first alias begins (a
         // little less than that is best).
         let beta = 0.975 * PI * width as f64 * (1.0 - 0.5 / sigma);
         let mut kernel = Self { width, beta, pieces: Vec::new() };
