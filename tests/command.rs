@@ -163,10 +163,16 @@ fn analyze_writes_what_it_promises() {
         "neighbor_functions.svg",
         "pcf.csv",
         "pcf.svg",
+        "pcf_from_spectrum.csv",
         "points.svg",
         "report.html",
         "spectrum.npy",
         "spectrum.png",
+        "spectrum_angular.csv",
+        "spectrum_angular.svg",
+        "spectrum_axes.csv",
+        "spectrum_axes.svg",
+        "spectrum_from_pcf.csv",
         "spectrum_radial.csv",
         "spectrum_radial.svg",
         "spectrum_se.npy",
@@ -787,7 +793,7 @@ fn lists_of_wave_vectors() {
     scratch.ok(&format!("analyze {points} --frequencies list.csv --out list"));
     scratch.ok(&format!("analyze {points} --max-frequency 5,10 --out grid"));
     let list = csv(&scratch.path("list/spectrum_list.csv"));
-    assert_eq!(list.0, "m_x,m_y,nu_x,nu_y,nu,p,p_se,p_lo,p_hi");
+    assert_eq!(list.0, "m_x,m_y,nu_x,nu_y,nu,p,p_se,p_lo,p_hi,p_band");
     assert_eq!(column::<i64>(&list, "m_x"), [3, 0, -3, 5, 100_000]);
     assert_eq!(column::<i64>(&list, "m_y"), [-2, 0, 2, 10, -99_999]);
     assert_eq!(column::<f64>(&list, "nu_x")[..4], [1.5, 0.0, -1.5, 2.5]);

@@ -712,7 +712,7 @@ fn what_is_not_done_here_is_said() {
     assert_eq!(gpu.supports_wave_power(&high), why);
     assert_eq!(gpu.wave_power(&high, &ensemble, &go()).is_ok(), why.is_ok());
     let list = WaveList { dim: 2, vectors: vec![[1.0, 2.0, 0.0]], mirrored: false };
-    let listed = WavePlan::new(&window, list, Accuracy::Fast, shape(&ensemble)).unwrap();
+    let listed = WavePlan::new(&Domain::unit_torus(2), list, Accuracy::Fast, shape(&ensemble)).unwrap();
     assert!(gpu.supports_wave_power(&listed).unwrap_err().contains("lists"));
     assert!(gpu.wave_power(&listed, &ensemble, &go()).is_err());
     // More than any device has in one buffer: the number of bytes is said.
