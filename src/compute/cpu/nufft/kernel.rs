@@ -5,8 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Widest kernel, in cells: two vectors of eight f64.
-pub(super) const MAX_WIDTH: usize = 16;
+use crate::plan::MAX_KERNEL_WIDTH as MAX_WIDTH;
 
 /// Terms of the Chebyshev series that polynomials are cut from.
 const TERMS: usize = 32;
@@ -18,14 +17,6 @@ pub(super) struct Kernel {
     beta: f64,
     /// Coefficients by falling power of `u`, each for all pieces; 0 beyond the width.
     pieces: Vec<[f64; MAX_WIDTH]>,
-}
-
-/// The width that keeps the aliasing error of `dim` axes, upsampled by `sigma`, below `tolerance`: its rate is
-/// `exp(-pi w sqrt(1 - 1 / sigma))` (the same paper, eq. 4.9); the cells beyond that are measured, for sigma from 1.5 to
-/// 2.25.
-pub(super) fn width(tolerance: f64, sigma: f64, dim: usize) -> usize {
-    let cells = (1.0 / tolerance).ln() / (PI * (1.0 - 1.0 / sigma).sqrt());
-    (cells + 0.9 + 0.3 * dim as f64).ceil().max(2.0) as usize
 }
 
 impl Kernel {
