@@ -76,7 +76,7 @@ impl Accuracy {
     pub const fn nufft_tolerance(self) -> f64 {
         match self {
             Self::Fast => 1e-9,
-            Self::High => 1e-14,
+            Self::High => 4e-15,
         }
     }
 

@@ -10,7 +10,7 @@ use crate::error::{Error, Result, number};
 pub const MAX_KERNEL_WIDTH: usize = 16;
 
 /// Tolerances that can be asked for: what the widest kernel and rounding in f64 allow.
-const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-14..=0.1;
+const TOLERANCES: std::ops::RangeInclusive<f64> = 4e-15..=0.1;
 
 /// How much finer than the frequencies wanted the grid may be, `cells >= sigma * 2 F`: a finer grid makes longer transforms
 /// and narrower kernels.

@@ -47,7 +47,7 @@ impl Nufft {
     /// Plans the modes of a grid for realizations of about `points` points each, by which the fastest sizes are chosen.
     ///
     /// The error of all amplitudes, relative in l2 to those of uniform points, is at most `tolerance`, and that of no single
-    /// one is above `2 tolerance sum |w|`. Tolerances from 1e-14 to 0.1 can be kept; any other is an error.
+    /// one is above `2 tolerance sum |w|`. Tolerances from 4e-15 to 0.1 can be kept; any other is an error.
     pub fn new(grid: &WaveGrid, tolerance: f64, points: f64, level: SimdLevel) -> Result<Self> {
         let sizes = NufftSizes::new(grid, tolerance, points)?;
         // Polynomials err little next to aliasing, even where their error is lifted most.
