@@ -72,12 +72,11 @@ impl Accuracy {
         }
     }
 
-    /// The tolerance of a NUFFT that keeps it; `None` where none does: what spreading rounds, relative to the largest
-    /// amplitude, is above the promise for many points and for the zeros of lattices.
-    pub const fn nufft_tolerance(self) -> Option<f64> {
+    /// The tolerance of a nonuniform fast Fourier transform that keeps it.
+    pub const fn nufft_tolerance(self) -> f64 {
         match self {
-            Self::Fast => Some(1e-9),
-            Self::High => None,
+            Self::Fast => 1e-9,
+            Self::High => 4e-15,
         }
     }
 

@@ -1,9 +1,8 @@
 //! How the amplitudes of a realization are summed: whichever way is estimated to be fastest and keeps the promise.
 
-use std::f64::consts::PI;
 use std::fmt;
 
-use super::{Accuracy, MEMORY_BUDGET, WaveGrid, WaveVectors};
+use super::{Accuracy, MEMORY_BUDGET, NufftCosts, NufftSizes, WaveGrid, WaveVectors};
 
 /// How `s_m` is summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
@@ -56,21 +55,6 @@ pub struct ProductCosts {
     pub start: f64,
 }
 
-/// What a transform takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NufftCosts {
-    /// Sorting a point, and its kernel along every axis.
-    pub point: f64,
-    /// A row of cells that a point is added to.
-    pub row: f64,
-    /// A cell of it, in whole vectors.
-    pub add: f64,
-    /// A cell of the fine grid: cleared, folded and transformed.
-    pub cell: f64,
-    /// Beginning.
-    pub start: f64,
-}
-
 /// Points of a panel in `wave_product`.
 const PANEL: f64 = 160.0;
 
@@ -81,7 +65,7 @@ impl WaveCosts {
         f32: ProductCosts { entry: 1.1, mode: 0.065, panel: 1.6, finish: 9.5, start: 230.0 },
         f64: ProductCosts { entry: 1.25, mode: 0.112, panel: 7.5, finish: 5.6, start: 250.0 },
         term: 2.5,
-        nufft: Some(NufftCosts { point: 28.0, row: 1.4, add: 0.1, cell: 7.0, start: 50_000.0 }),
+        nufft: Some(NufftCosts::CPU),
     };
 
     /// Reasoned, not measured, for a GPU of the size of an NVIDIA H200: 30 TFLOP/s in f32, half of that in f64.
@@ -116,11 +100,18 @@ impl WaveRoad {
             found.push(estimate(Self::DirectF32, costs.f32.nanoseconds(grid, share, n)));
         }
         found.push(estimate(Self::DirectF64, costs.f64.nanoseconds(grid, share, n)));
-        let fits = nufft_bytes(grid) <= MEMORY_BUDGET as f64;
-        if let (Some(nufft), Some(tolerance), true) = (costs.nufft, accuracy.nufft_tolerance(), fits) {
-            found.push(estimate(Self::Nufft, nufft.nanoseconds(grid, tolerance, n)));
+        if let (Some(costs), Ok(sizes)) =
+            (costs.nufft, NufftSizes::new(grid, accuracy.nufft_tolerance(), Self::about(n)))
+            && sizes.bytes() <= MEMORY_BUDGET as f64
+        {
+            found.push(estimate(Self::Nufft, costs.nanoseconds(&sizes, n)));
         }
         found
+    }
+
+    /// The number of points that a transform of `n` is made for: a power of two, so that few are made.
+    pub fn about(n: f64) -> f64 {
+        n.max(1.0).log2().ceil().exp2()
     }
 
     /// In words.
@@ -148,27 +139,6 @@ impl ProductCosts {
         self.start
             + n * (rows + columns) * self.entry
             + rows * columns * share * (n * self.mode + panels * self.panel + self.finish)
-    }
-}
-
-/// Cells of the fine grid: about twice as many per axis as frequencies of both signs.
-fn cells(grid: &WaveGrid) -> f64 {
-    grid.max_frequency()[..grid.dim()].iter().map(|&f| 4.0 * f64::from(f).max(0.25)).product()
-}
-
-/// Bytes of a transform, mainly of the fine grid and of what is left of it after an axis.
-fn nufft_bytes(grid: &WaveGrid) -> f64 {
-    16.0 * cells(grid)
-}
-
-impl NufftCosts {
-    fn nanoseconds(&self, grid: &WaveGrid, tolerance: f64, n: f64) -> f64 {
-        // The width as in `nufft::kernel`, for a grid twice as fine as need be.
-        let d = grid.dim() as f64;
-        let width = ((1.0 / tolerance).ln() / (PI * 0.5f64.sqrt()) + 0.65 + 0.3 * d).ceil();
-        let lanes = if width <= 8.0 { 8.0 } else { 16.0 };
-        let rows = width.powf(d - 1.0);
-        self.start + n * (self.point + rows * (self.row + self.add * lanes)) + cells(grid) * self.cell
     }
 }
 

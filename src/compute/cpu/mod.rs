@@ -43,6 +43,7 @@ pub fn check_threads(threads: usize) -> Result<()> {
 pub struct Cpu {
     pool: rayon::ThreadPool,
     level: SimdLevel,
+    nuffts: nufft::Cache,
 }
 
 impl Cpu {
@@ -64,7 +65,7 @@ impl Cpu {
             .thread_name(|k| format!("pairwave-{k}"))
             .build()
             .map_err(|e| Error::setting("--threads", threads.unwrap_or(0), format!("cannot start threads: {e}")))?;
-        Ok(Self { pool, level: level.min(SimdLevel::detect()) })
+        Ok(Self { pool, level: level.min(SimdLevel::detect()), nuffts: nufft::Cache::default() })
     }
 
     /// Number of threads.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::ThreadPool;
 
@@ -77,7 +77,7 @@ enum AnyRoad<'a> {
     F64(Product<'a, f64>),
     Terms(Terms<'a>),
     /// And where DC is stored.
-    Nufft(Box<Nufft>, usize),
+    Nufft(Arc<Nufft>, usize),
 }
 
 /// What a thread keeps from realization to realization.
@@ -93,14 +93,9 @@ impl<'a> AnyRoad<'a> {
         Ok(match (&plan.waves, road) {
             (WaveVectors::List(list), _) => Self::Terms(Terms::new(cpu, list)),
             (WaveVectors::Grid(grid), WaveRoad::DirectF32) => Self::F32(Product::new(cpu, grid, plan.needed(), parts)),
-            (WaveVectors::Grid(grid), road) => {
-                match plan.accuracy.nufft_tolerance().filter(|_| road == WaveRoad::Nufft) {
-                    Some(tolerance) => {
-                        let nufft = Nufft::new(grid, tolerance, points as f64, cpu.level())?;
-                        Self::Nufft(Box::new(nufft), grid.dc())
-                    }
-                    None => Self::F64(Product::new(cpu, grid, plan.needed(), parts)),
-                }
+            (WaveVectors::Grid(grid), WaveRoad::DirectF64) => Self::F64(Product::new(cpu, grid, plan.needed(), parts)),
+            (WaveVectors::Grid(grid), WaveRoad::Nufft) => {
+                Self::Nufft(cpu.nuffts.get(grid, plan.accuracy.nufft_tolerance(), points, cpu.level())?, grid.dc())
             }
         })
     }
@@ -157,7 +152,7 @@ impl<'a> AnyRoad<'a> {
     }
 }
 
-/// A road, and the number of points it is made for, where that matters: a power of two, so that few are made.
+/// A road, and about how many points it is made for, where that matters.
 type RoadKey = (WaveRoad, usize);
 
 pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
@@ -253,7 +248,7 @@ impl Job<'_> {
     fn key(&self, k: usize) -> RoadKey {
         let n = self.ensemble.points_in(k);
         match self.plan.road(n) {
-            WaveRoad::Nufft => (WaveRoad::Nufft, n.next_power_of_two()),
+            WaveRoad::Nufft => (WaveRoad::Nufft, WaveRoad::about(n as f64) as usize),
             direct => (direct, 0),
         }
     }

@@ -26,9 +26,12 @@ use crate::plan::WaveGrid;
 /// to add up panels. `product` must take as many at once.
 const PANEL: usize = 160;
 
-/// Rows of a block: its sums over a panel stay in the cache until they are added to the others, and `gemm` does not
+/// Lines of a block: its sums over a panel stay in the cache until they are added to the others, and `gemm` does not
 /// copy the table of columns for so few. Whole groups of a table.
-const ROWS: usize = 48;
+const LINES: usize = 48;
+
+/// Lines of a block where a tile has at least as many: then that copy pays.
+const MANY_LINES: usize = 256;
 
 /// Panels between two looks at the control.
 const PANELS_PER_CHECK: usize = 64;
@@ -189,7 +192,9 @@ impl<'a> Factors<'a> {
     fn blocks(&self, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> Vec<Block> {
         let mut blocks = Vec::new();
         let mut offset = 0;
-        let height = ROWS / 2;
+        // Rings need fewer columns of the later rows: there, blocks stay small.
+        let many = self.rings.is_none() && 2 * rows.len() >= MANY_LINES;
+        let height = if many { MANY_LINES } else { LINES } / 2;
         for first in rows.clone().step_by(height) {
             let block = first..(first + height).min(rows.end);
             let needed = |c: usize| block.clone().any(|r| self.at(r + 1, c).iter().any(Option::is_some));

@@ -5,8 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Widest kernel, in cells: two vectors of eight f64.
-pub(super) const MAX_WIDTH: usize = 16;
+use crate::plan::MAX_KERNEL_WIDTH as MAX_WIDTH;
 
 /// Terms of the Chebyshev series that polynomials are cut from.
 const TERMS: usize = 32;
@@ -20,20 +19,13 @@ pub(super) struct Kernel {
     pieces: Vec<[f64; MAX_WIDTH]>,
 }
 
-/// The width that keeps the aliasing error of `dim` axes, upsampled by `sigma`, below `tolerance`: its rate is
-/// `exp(-pi w sqrt(1 - 1 / sigma))` (the same paper); the cells beyond that are measured, for sigma from 1.5 to
-/// 2.25.
-pub(super) fn width(tolerance: f64, sigma: f64, dim: usize) -> usize {
-    let cells = (1.0 / tolerance).ln() / (PI * (1.0 - 1.0 / sigma).sqrt());
-    (cells + 0.9 + 0.3 * dim as f64).ceil().max(2.0) as usize
-}
-
 impl Kernel {
     /// The kernel of `width` cells for a grid upsampled by `sigma`, its polynomials good to `tolerance` of its peak.
     pub(super) fn new(width: usize, sigma: f64, tolerance: f64) -> Self {
-        // The transform then falls to the aliasing error just where the first alias begins (a
-        // little less than that is best).
-        let beta = 0.975 * PI * width as f64 * (1.0 - 0.5 / sigma);
+        // The transform then falls to the aliasing error just where the first alias begins (a little less than
+        // that is best, for wide kernels less so).
+        let share = if width > 8 { 0.985 } else { 0.975 };
+        let beta = share * PI * width as f64 * (1.0 - 0.5 / sigma);
         let mut kernel = Self { width, beta, pieces: Vec::new() };
         kernel.pieces = kernel.fit(tolerance);
         kernel

@@ -7,96 +7,26 @@
 //! all others only what the modes with `m_0 >= 0` need. Positions are exact integers until they are fractions of a cell, so
 //! that the error does not grow with the frequency. Everything is f64.
 
+mod cache;
 mod kernel;
 mod spread;
 mod threads;
 mod transform;
 
+pub(super) use cache::Cache;
 pub(super) use spread::Band;
 pub use spread::Points;
 
 use rayon::ThreadPool;
 use rustfft::num_complex::Complex;
 
-use self::kernel::{Kernel, MAX_WIDTH, width};
+use self::kernel::Kernel;
 use self::spread::{FineGrid, Sorted};
 use self::transform::{Transform, Worker};
 use super::SimdLevel;
 use crate::compute::Control;
-use crate::error::{Error, Result, number};
-use crate::plan::WaveGrid;
-
-/// The tolerance of accuracy `fast`.
-pub const FAST_TOLERANCE: f64 = 1e-9;
-
-/// The tolerance of accuracy `high`.
-pub const HIGH_TOLERANCE: f64 = 1e-14;
-
-/// Tolerances that can be asked for: what the widest kernel and rounding in f64 allow.
-const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-14..=0.1;
-
-/// How much finer than the frequencies wanted the grid may be, `cells >= sigma * 2 F`: a finer grid makes longer transforms
-/// and narrower kernels.
-const UPSAMPLING: [f64; 3] = [1.5, 2.0, 2.25];
-
-/// Nanoseconds of one thread, measured where `fma_gflop` reaches 128 GFLOP/s: per point (its place in the sort and its kernel
-/// values), per row of cells that a point is added to and per cell of such a row, and per cell of the grid (set to 0, fold,
-/// transform).
-const POINT_NS: f64 = 18.0;
-const ROW_NS: f64 = 1.4;
-const ROW_CELL_NS: f64 = 0.08;
-const CELL_NS: f64 = 3.5;
-
-/// The sizes that follow from a grid, a tolerance and the number of points.
-#[derive(Debug, Clone, PartialEq)]
-struct Sizes {
-    /// The axes that are transformed; one without frequencies adds nothing, but for the first, which is the real one.
-    axes: Vec<usize>,
-    largest: Vec<usize>,
-    cells: Vec<usize>,
-    width: usize,
-}
-
-impl Sizes {
-    /// The fastest that keep the tolerance.
-    fn new(grid: &WaveGrid, tolerance: f64, points: f64) -> Result<Self> {
-        if !TOLERANCES.contains(&tolerance) {
-            let reason = format!("expected {} to {}", number(*TOLERANCES.start()), number(*TOLERANCES.end()));
-            return Err(Error::setting("--tolerance", number(tolerance), reason));
-        }
-        let f = grid.max_frequency().map(|f| f as usize);
-        let axes: Vec<usize> = (0..grid.dim()).filter(|&a| a == 0 || f[a] > 0).collect();
-        let largest: Vec<usize> = axes.iter().map(|&a| f[a]).collect();
-        let with = |upsampling: f64| {
-            let cells: Vec<usize> = largest.iter().map(|&f| fine_size(upsampling, f)).collect();
-            let mut sizes = Self { axes: axes.clone(), largest: largest.clone(), cells, width: 0 };
-            let sigma = (0..axes.len()).map(|a| sizes.sigma(a)).fold(f64::INFINITY, f64::min);
-            sizes.width = width(tolerance, sigma, axes.len());
-            sizes
-        };
-        let possible = UPSAMPLING.map(with).into_iter().filter(|sizes| sizes.width <= MAX_WIDTH);
-        possible
-            .min_by(|a, b| a.nanoseconds(points).total_cmp(&b.nanoseconds(points)))
-            .ok_or_else(|| Error::setting("--tolerance", number(tolerance), "no kernel is wide enough"))
-    }
-
-    /// How much finer than its frequencies axis `a` is.
-    fn sigma(&self, a: usize) -> f64 {
-        self.cells[a] as f64 / (2 * self.largest[a]) as f64
-    }
-
-    fn nanoseconds(&self, points: f64) -> f64 {
-        let rows = self.width.pow(self.axes.len() as u32 - 1) as f64;
-        let cells = self.cells.iter().map(|&c| c as f64).product::<f64>();
-        points * (POINT_NS + rows * (ROW_NS + ROW_CELL_NS * spread::lanes(self.width) as f64)) + CELL_NS * cells
-    }
-}
-
-/// The estimated time of one realization on one thread, in nanoseconds where `fma_gflop` reaches 128 GFLOP/s. An error for
-/// a tolerance that cannot be kept.
-pub fn nanoseconds(grid: &WaveGrid, tolerance: f64, points: f64) -> Result<f64> {
-    Ok(Sizes::new(grid, tolerance, points)?.nanoseconds(points))
-}
+use crate::error::Result;
+use crate::plan::{NufftSizes, WaveGrid};
 
 /// A plan for all realizations that share a grid of modes.
 pub struct Nufft {
@@ -117,9 +47,9 @@ impl Nufft {
     /// Plans the modes of a grid for realizations of about `points` points each, by which the fastest sizes are chosen.
     ///
     /// The error of all amplitudes, relative in l2 to those of uniform points, is at most `tolerance`, and that of no single
-    /// one is above `2 tolerance sum |w|`. Tolerances from 1e-14 to 0.1 can be kept; any other is an error.
+    /// one is above `2 tolerance sum |w|`. Tolerances from 4e-15 to 0.1 can be kept; any other is an error.
     pub fn new(grid: &WaveGrid, tolerance: f64, points: f64, level: SimdLevel) -> Result<Self> {
-        let sizes = Sizes::new(grid, tolerance, points)?;
+        let sizes = NufftSizes::new(grid, tolerance, points)?;
         // Polynomials err little next to aliasing, even where their error is lifted most.
         let kernel = |a: usize| Kernel::new(sizes.width, sizes.sigma(a), 0.02 * tolerance);
         let axes = (0..sizes.axes.len()).map(|a| (sizes.axes[a], sizes.cells[a], kernel(a))).collect();
@@ -189,21 +119,4 @@ impl Nufft {
 /// The sum of all weights, which is the amplitude at `m = 0`.
 fn total(points: &Points<'_>) -> f64 {
     points.weights.map_or(points.axes[0].len() as f64, |w| w.iter().sum())
-}
-
-/// The least number of cells, even and at least `sigma 2 f`, that the library transforms fast: powers of two and three and at
-/// most one five.
-fn fine_size(sigma: f64, f: usize) -> usize {
-    let least = ((sigma * 2.0 * f as f64).ceil() as usize).max(2 * f + 2);
-    let fast = |mut n: usize| {
-        n >>= n.trailing_zeros();
-        if n.is_multiple_of(5) {
-            n /= 5;
-        }
-        while n.is_multiple_of(3) {
-            n /= 3;
-        }
-        n == 1
-    };
-    (least.next_multiple_of(2)..).step_by(2).find(|&n| fast(n)).unwrap_or(least)
 }

@@ -15,12 +15,17 @@ use super::threads::share;
 use crate::compute::Control;
 use crate::compute::cpu::simd::{self, SimdLevel};
 use crate::error::Result;
+use crate::plan::kernel_lanes as lanes;
 
 /// Points that are sorted at a time: in the second-level cache.
 const CHUNK: usize = 1 << 15;
 
 /// Cells of a tile in 1D, 2D and 3D, last axis last, as powers of two; no band is thinner than the widest kernel.
 const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 6, 0], [4, 4, 4]];
+
+/// Points of a tile whose kernels are added up before they are added to those of others: a sum of so many terms, and of so
+/// many sums, rounds much less than one of all.
+const MOST_AT_ONCE: usize = 2048;
 
 /// With more tiles than this, pairs are joined: their bookkeeping would take longer than what they save.
 const MAX_TILES: usize = 1 << 14;
@@ -246,11 +251,6 @@ pub(in super::super) struct Band<'a> {
     cells: &'a mut [f64],
 }
 
-/// f64 in the vectors that hold a kernel.
-pub(super) fn lanes(width: usize) -> usize {
-    if width <= 8 { 8 } else { 16 }
-}
-
 impl Band<'_> {
     /// To be inlined into a function for an instruction set.
     #[inline(always)]
@@ -275,40 +275,108 @@ impl Band<'_> {
     #[inline(always)]
     fn points<const FMA: bool, const D: usize, const R: usize, const L: usize>(self) {
         let axes: [&Axis; D] = std::array::from_fn(|a| &self.grid.axes[a]);
-        let width = axes[0].kernel.width();
-        let steps: [usize; D] = std::array::from_fn(|a| self.grid.step(a));
+        let band = Place {
+            origin: std::array::from_fn(|a| if a + 1 < D { 0 } else { self.first }),
+            steps: std::array::from_fn(|a| self.grid.step(a)),
+        };
+        let mut apart = Vec::new();
         for tile in self.tiles {
+            let run = |chunk: &Chunk| chunk.starts[tile] as usize..chunk.starts[tile + 1] as usize;
+            let count = self.chunks.iter().map(|chunk| run(chunk).len()).sum::<usize>();
+            if count <= MOST_AT_ONCE {
+                for chunk in self.chunks {
+                    for record in &chunk.records.as_chunks::<R>().0[run(chunk)] {
+                        add_point::<FMA, D, R, L>(&axes, record, &band, self.cells);
+                    }
+                }
+                continue;
+            }
+            let (own, sides) = Place::of_tile(&axes, tile);
             for chunk in self.chunks {
-                let run = chunk.starts[tile] as usize..chunk.starts[tile + 1] as usize;
-                for record in &chunk.records.as_chunks::<R>().0[run] {
-                    let mut start = 0;
-                    // A loop: what is called through a closure may lose the instruction set.
-                    let mut values = [[0.0; L]; D];
-                    for a in 0..D {
-                        let (place, u) = axes[a].locate(record[a]);
-                        start += place * steps[a];
-                        horner::<FMA, L>(&axes[a].kernel, u, &mut values[a]);
+                for records in chunk.records.as_chunks::<R>().0[run(chunk)].chunks(MOST_AT_ONCE) {
+                    apart.clear();
+                    apart.resize(sides.iter().product(), 0.0);
+                    for record in records {
+                        add_point::<FMA, D, R, L>(&axes, record, &own, &mut apart);
                     }
-                    if R > D {
-                        let weight = f64::from_bits(record[D]);
-                        values[D - 1].iter_mut().for_each(|v| *v *= weight);
-                    }
-                    let cells = &mut self.cells[start - self.first * steps[D - 1]..];
-                    match D {
-                        1 => add::<FMA, L>(cells, 1.0, &values[0]),
-                        2 => {
-                            for (row, &y) in values[1][..width].iter().enumerate() {
-                                add::<FMA, L>(&mut cells[row * steps[1]..], y, &values[0]);
-                            }
+                    // No further than the grid, which the last tiles overlap.
+                    let within: [usize; D] = std::array::from_fn(|a| sides[a].min(axes[a].stored - own.origin[a]));
+                    let rows = apart.chunks_exact(sides[0]).enumerate();
+                    for (row, values) in rows {
+                        let (mut rest, mut inside, mut to) = (row, true, own.origin[0]);
+                        for a in 1..D {
+                            inside &= rest % sides[a] < within[a];
+                            to += (rest % sides[a] + own.origin[a] - band.origin[a]) * band.steps[a];
+                            rest /= sides[a];
                         }
-                        _ => {
-                            for (plane, &z) in values[2][..width].iter().enumerate() {
-                                for (row, &y) in values[1][..width].iter().enumerate() {
-                                    add::<FMA, L>(&mut cells[plane * steps[2] + row * steps[1]..], y * z, &values[0]);
-                                }
-                            }
+                        if D == 1 {
+                            to -= band.origin[0];
+                        }
+                        if inside {
+                            let to = &mut self.cells[to..to + within[0]];
+                            to.iter_mut().zip(values).for_each(|(to, value)| *to += value);
                         }
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Where cells are kept: the first one along every axis, and the distance of neighbours.
+struct Place<const D: usize> {
+    origin: [usize; D],
+    steps: [usize; D],
+}
+
+impl<const D: usize> Place<D> {
+    /// All cells that the points of a tile reach, by themselves, and how many there are along every axis.
+    fn of_tile(axes: &[&Axis; D], tile: usize) -> (Self, [usize; D]) {
+        let mut rest = tile;
+        let origin = std::array::from_fn(|a| {
+            let index = rest % axes[a].tiles();
+            rest /= axes[a].tiles();
+            index << axes[a].tile_shift
+        });
+        let sides = axes.map(|axis| (1 << axis.tile_shift) + lanes(axis.kernel.width()));
+        let steps = std::array::from_fn(|a| sides[..a].iter().product());
+        (Self { origin, steps }, sides)
+    }
+}
+
+/// Adds the kernel at a point.
+#[inline(always)]
+fn add_point<const FMA: bool, const D: usize, const R: usize, const L: usize>(
+    axes: &[&Axis; D],
+    record: &[u64; R],
+    place: &Place<D>,
+    cells: &mut [f64],
+) {
+    let (width, steps) = (axes[0].kernel.width(), &place.steps);
+    let mut start = 0;
+    // A loop: what is called through a closure may lose the instruction set.
+    let mut values = [[0.0; L]; D];
+    for a in 0..D {
+        let (at, u) = axes[a].locate(record[a]);
+        start += (at - place.origin[a]) * steps[a];
+        horner::<FMA, L>(&axes[a].kernel, u, &mut values[a]);
+    }
+    if R > D {
+        let weight = f64::from_bits(record[D]);
+        values[D - 1].iter_mut().for_each(|v| *v *= weight);
+    }
+    let cells = &mut cells[start..];
+    match D {
+        1 => add::<FMA, L>(cells, 1.0, &values[0]),
+        2 => {
+            for (row, &y) in values[1][..width].iter().enumerate() {
+                add::<FMA, L>(&mut cells[row * steps[1]..], y, &values[0]);
+            }
+        }
+        _ => {
+            for (plane, &z) in values[2][..width].iter().enumerate() {
+                for (row, &y) in values[1][..width].iter().enumerate() {
+                    add::<FMA, L>(&mut cells[plane * steps[2] + row * steps[1]..], y * z, &values[0]);
                 }
             }
         }
