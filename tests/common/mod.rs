@@ -442,11 +442,11 @@ pub fn covariances_agree(a: &WaveCovariance, reference: &WaveCovariance) -> Resu
     ] {
         let top = b.iter().fold(1.0, |t: f64, x| t.max(x.abs()));
         // Written so that NaN fails.
-        let off = |k: &usize| !((a[*k] - b[*k]).abs() <= 1e-12 * top);
+        let near = |k: usize| (a[k] - b[k]).abs() <= 1e-12 * top;
         if a.len() != b.len() {
             return Err(format!("{name}: {} values, not {}", a.len(), b.len()));
         }
-        if let Some(k) = (0..a.len()).find(off) {
+        if let Some(k) = (0..a.len()).find(|&k| !near(k)) {
             return Err(format!("{name}: {} at {k}, not {}", a[k], b[k]));
         }
     }
