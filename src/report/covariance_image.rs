@@ -54,7 +54,7 @@ pub(super) fn render(covariance: &AmplitudeCovariance) -> Result<CovarianceImage
     };
     let caption = format!(
         "m downward and l to the right, both in the order of covariance.npy, all |m_k| <= {largest} with x slowest and DC in \
-         the middle, left out; {shown}; logarithmic from {:.3e} to {top:.3e}, the largest P but DC",
+         the middle, left out and grey; {shown}; logarithmic from {:.3e} to {top:.3e}, the largest P but DC",
         top * 10f64.powi(-DECADES)
     );
     let description = format!("{caption}; colour map: viridis");
