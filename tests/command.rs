@@ -817,7 +817,7 @@ fn lists_of_wave_vectors() {
         let band = [&list.1[k][7], &list.1[k][8]].map(|cell| cell.parse::<f64>().unwrap() / p[k]);
         assert!((band[0] - 0.488_205).abs() < 1e-5 && (band[1] - 3.079_80).abs() < 1e-4, "{band:?}");
     }
-    assert_eq!(list.1[1][7..], ["", ""]);
+    assert_eq!(list.1[1][7..], ["", "", ""]);
     let files: Vec<String> = summary(&scratch.path("list"))["files"]
         .as_array()
         .unwrap()

@@ -3,9 +3,9 @@
 mod common;
 
 use common::*;
-use pairwave::accumulate::PairCounts;
-use pairwave::compute::{Backend, ComputedBy, Control};
-use pairwave::plan::{Accuracy, Correction, GPU_WEIGHT_BOUND, PairPlan, PairSettings, RadialBins};
+use pairwave::accumulate::{CovarianceSums, PairCounts, WaveCovariance};
+use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
+use pairwave::plan::{Accuracy, Correction, CovariancePlan, GPU_WEIGHT_BOUND, PairPlan, PairSettings, RadialBins};
 use pairwave::points::Domain;
 
 fn as_if_by_cpu(computed_by: &mut ComputedBy) {
@@ -126,4 +126,32 @@ fn cancelling_gives_an_error_not_a_part() {
     let control = Control::default();
     control.cancel();
     assert!(Reference.pair_counts(&plan, &ensemble, &control).is_err(), "cancelled work must not return sums");
+}
+
+#[test]
+fn an_amplitude_conjugated_or_a_nan_in_a_covariance_is_caught() {
+    let points = ensemble(&[uniform(2, 30, 1), uniform(2, 33, 2)]);
+    let plan = CovariancePlan::new(points.domain(), Some(2), shape(&points)).unwrap();
+    let truth = Reference.wave_covariance(&plan, &points, &Control::default()).unwrap().unwrap();
+    assert!(covariances_agree(&truth, &truth).is_err(), "reference against reference compares nothing");
+    let planted = |change: &dyn Fn(&mut CovarianceSums)| {
+        let mut sums = truth.totals();
+        change(&mut sums);
+        let mut other = WaveCovariance::new(ComputedBy::new(Backend::Cpu, "planted"), sums.stored);
+        other.add_leaf(0, 2, sums);
+        covariances_agree(&other, &truth)
+    };
+    assert_eq!(planted(&|_| ()), Ok(()), "equal sums pass");
+    // Mode 3 with the sign of its imaginary part, component 3 + H, turned over: its row and its column but for the diagonal.
+    let conjugated = planted(&|s| {
+        let (h, a) = (s.stored, s.stored + 3);
+        (0..2 * h).filter(|&b| b != a).for_each(|b| {
+            s.products[a * 2 * h + b] *= -1.0;
+            s.products[b * 2 * h + a] *= -1.0;
+        });
+    });
+    assert!(conjugated.unwrap_err().contains("products:"));
+    assert!(planted(&|s| s.products_n[5] *= 1.0 + 1e-6).unwrap_err().contains("norms: "), "1e-6 of one product");
+    assert!(planted(&|s| s.powers[7] = f64::NAN).unwrap_err().contains("powers"), "NaN cannot pass");
+    assert!(planted(&|s| s.norms[1] += 1.0).unwrap_err().starts_with("norms"));
 }

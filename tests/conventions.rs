@@ -3,9 +3,9 @@
 mod common;
 
 use assert_cmd::Command;
-use common::{ensemble, lattice, raw, wave_plan};
+use common::{Rng, ensemble, lattice, raw, wave_plan};
 use pairwave::compute::{Compute, Control, reference::Reference};
-use pairwave::estimate::{PowerSpectrum, RadialSpectrum};
+use pairwave::estimate::{PowerSpectrum, PsaStatistics, RadialSpectrum};
 use pairwave::plan::{Accuracy, Convention, WavePlan};
 use pairwave::points::{Ensemble, RawPoints};
 
@@ -75,6 +75,31 @@ fn psa_figures_are_reproduced() {
     let at = |m0: i32, m1: i32| spectrum[((m0 + 160) * 320 + m1 + 160) as usize];
     assert_eq!(at(-7, 5), at(7, -5));
     assert_ne!(at(-7, 5), at(7, 5));
+}
+
+/// PSA's statistics of 144 jittered points, against the same formulas evaluated in Python (NumPy's sums, SciPy's Bessel function),
+/// in which a window of 0.42 for 0.43 makes them 0 and 0.437, one of 0.081 for 0.08 0.365 and 0.4461, a rise at 0.97 an oscillation of
+/// 0.4467, and a threshold of 0.2 for 0.1 an effective Nyquist frequency of 0.69.
+#[test]
+fn psa_statistics_of_few_points() {
+    let (side, n) = (12, 144);
+    let mut rng = Rng(3);
+    let points: Vec<[f64; 2]> =
+        (0..n).map(|i| [i % side, i / side].map(|c| (c as f64 + 0.5 * rng.unit()) / side as f64)).collect();
+    let bins = PsaStatistics::bins(n as u64);
+    let mut counts = vec![0; bins];
+    for (j, a) in points.iter().enumerate() {
+        for b in &points[..j] {
+            let [dx, dy] = [a[0] - b[0], a[1] - b[1]].map(|d| d - d.round());
+            if let Some(count) = counts.get_mut((dx.hypot(dy) * 2.0 * bins as f64) as usize) {
+                *count += 1;
+            }
+        }
+    }
+    assert_eq!((bins, counts.iter().sum::<u64>()), (1200, 8039));
+    let found = PsaStatistics::new(n as u64, &[counts]).unwrap();
+    assert!((found.effective_nyquist - 0.355).abs() < 1e-12, "{found:?}");
+    assert!((found.oscillation - 0.446_452_916_886_463).abs() < 1e-10, "{found:?}");
 }
 
 fn radial(sets: &[RawPoints], f: u32, convention: Convention, bugs: bool) -> (WavePlan, PowerSpectrum, RadialSpectrum) {

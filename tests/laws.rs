@@ -102,7 +102,7 @@ fn dc_is_n_and_the_mirror_image_is_the_same() {
         for m in [[0, 0, 0], [3, -2, 4], [-1, 2, -3], [0, -1, 0], [0, 0, 4]] {
             assert_eq!(Some(at(m)), spectrum.at(m), "m = {m:?}");
         }
-        // And the mirrored plane m_0 = 0, stored whole, is its own mirror image up to rounding.
+        // And the mirrored plane m_0 = 0, stored whole, is its own mirror image up to rounding, of which `full` shows nothing.
         assert!((spectrum.at([0, 1, -2]).unwrap() - spectrum.at([0, -1, 2]).unwrap()).abs() < 1e-12);
     });
 }

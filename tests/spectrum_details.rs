@@ -127,7 +127,7 @@ fn slices_and_sectors_are_their_modes() {
                 let nu = x.hypot(y);
                 let degrees = y.atan2(x).to_degrees();
                 let away = (degrees - 10.0 * s as f64).rem_euclid(180.0);
-                if nu > 0.0 && nu < last && (away < 5.0 || away >= 175.0) {
+                if nu > 0.0 && nu < last && !(5.0..175.0).contains(&away) {
                     modes += 1;
                     sum += spectrum.p[grid.half_index([a, b, 0])];
                     rings += radial.rings[(2.0 * nu + 0.5) as usize - 1].p;

@@ -9,7 +9,7 @@ use assert_cmd::Command;
 use common::{Rng, ensemble_in, raw, shape, uniform};
 use pairwave::accumulate::WavePower;
 use pairwave::compute::{Compute, Control, cpu::Cpu, reference::Reference};
-use pairwave::estimate::{PowerSpectrum, RadialSpectrum};
+use pairwave::estimate::{AxisSlices, PowerSpectrum, RadialSpectrum};
 use pairwave::plan::{Accuracy, Debias, Taper, TaperPlan, WaveGrid, WaveList, WavePlan, WaveVectors};
 use pairwave::points::{Domain, Ensemble};
 
@@ -285,6 +285,28 @@ fn sine_tapers_leak_less() {
     };
     let [bartlett, sine] = [mean(Taper::Bartlett), mean(Taper::Sine)];
     assert!(sine < 0.5 * bartlett, "{sine}, {bartlett}");
+}
+
+/// The band of a mode of a single realization is that of as many exponential ordinates as tapers: chi-squared with 8 degrees of
+/// freedom for 4 of them, whose quantiles are 2.17973 and 17.5345; on the axes and on the grid alike.
+#[test]
+fn tapers_narrow_bands() {
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+    let points = ensemble_in(&window, &[uniform(2, 100, 3)]);
+    let taper = TaperPlan::new(Taper::Sine, Some(2), Debias::Direct, 2).unwrap();
+    let plan = plan(&points, WaveGrid::new(&[4, 4]).unwrap(), taper);
+    let sums = reference(&plan, &points);
+    let spectrum = PowerSpectrum::new(&plan, &sums);
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-5;
+    for (p, band) in spectrum.p.iter().zip(spectrum.bands()).filter_map(|(p, band)| Some((p, band?))) {
+        assert!(near(band.lo, p * 8.0 / 17.5345) && near(band.hi, p * 8.0 / 2.17973), "{p}: {band:?}");
+    }
+    for mode in AxisSlices::new(&plan, &spectrum).modes {
+        assert!(near(mode.band.unwrap().lo, mode.p * 8.0 / 17.5345), "{mode:?}");
+    }
+    // Four tapers narrow the ring means less than they narrow modes: they correlate neighbours.
+    let radial = RadialSpectrum::new(&plan, &sums, &spectrum);
+    assert!((radial.anisotropy_reference_db + 10.0 * 4f64.log10()).abs() < 1e-12);
 }
 
 fn pairwave(arguments: &str) -> std::process::Output {

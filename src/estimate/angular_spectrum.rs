@@ -16,7 +16,8 @@ pub struct SectorPower {
     /// Mean of P over them.
     pub p: f64,
     /// Its standard error: across realizations of the sector's own mean; for K = 1 `p` over the root of the independent
-    /// ordinates, which where P varies over rings are `(sum P)^2 / sum P^2` (Welch 1947, Satterthwaite 1946).
+    /// ordinates, which where P varies over rings are `(sum P)^2 / sum P^2` (Welch 1947, Satterthwaite 1946), fewer for tapers
+    /// (`TaperPlan::ring_variance`).
     pub p_se: f64,
     /// Its confidence band.
     pub band: Option<Band>,
@@ -51,7 +52,8 @@ impl AngularSpectrum {
         }
         let independent = |s: usize| {
             let [sum, squares] = predicted[s];
-            if squares > 0.0 { 0.5 * sum * sum / squares } else { 0.5 * sectors.modes[s] as f64 }
+            let modes = if squares > 0.0 { sum * sum / squares } else { sectors.modes[s] as f64 };
+            0.5 * modes / plan.ring_variance()
         };
         let (p, p_se) = ratio_estimate(power, &power.sector_totals(), |s| sectors.modes[s] as f64, independent);
         let realizations = realizations(power);

@@ -1,12 +1,10 @@
 //! Wave power -> P along each axis.
 
 use super::confidence::Band;
-use super::power_spectrum::realizations;
 use super::{ErrorSource, PowerSpectrum};
-use crate::accumulate::WavePower;
 use crate::plan::{WavePlan, WaveVectors};
 
-/// P at one mode `m e_axis`, which is also that at `-m e_axis`: one independent ordinate per realization.
+/// P at one mode `m e_axis`, which is also that at `-m e_axis`: one independent ordinate per realization and taper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisMode {
     /// The axis, 0 for x.
@@ -35,14 +33,13 @@ pub struct AxisSlices {
 
 impl AxisSlices {
     /// The slices.
-    pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
-        let realizations = realizations(power);
+    pub fn new(plan: &WavePlan, spectrum: &PowerSpectrum) -> Self {
         let mut modes: Vec<_> = on_axes(&plan.waves)
             .into_iter()
             .map(|(axis, m, index)| {
                 let (p, p_se) = (spectrum.p[index], spectrum.p_se[index]);
                 let nu = m / plan.domain.sides()[axis];
-                AxisMode { axis, m, nu, p, p_se, band: Band::new(p, p_se, realizations, 1.0) }
+                AxisMode { axis, m, nu, p, p_se, band: spectrum.band(index) }
             })
             .collect();
         modes.sort_by(|a, b| a.axis.cmp(&b.axis).then(a.m.total_cmp(&b.m)));

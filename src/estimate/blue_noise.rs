@@ -64,8 +64,7 @@ fn with_partial_rings(plan: &WavePlan, spectrum: &PowerSpectrum, radial: &Radial
     let (first, fundamental) = (plan.rings.count + 1, plan.rings.fundamental);
     let mut sums: Vec<[f64; 2]> = Vec::new();
     for (index, p) in spectrum.p.iter().enumerate().filter(|(index, _)| plan.rings.ring_of[*index] == 0) {
-        let m = grid.mode(index);
-        let nu = (0..2).map(|k| f64::from(m[k]) / plan.domain.sides()[k]).fold(0.0, f64::hypot);
+        let nu = plan.waves.frequency_length(index, &plan.domain);
         // What is in no ring is DC or lies beyond all.
         let Some(ring) = ((nu / fundamental + 0.5).floor() as usize).checked_sub(first) else { continue };
         if sums.len() <= ring {

@@ -15,11 +15,13 @@ pub struct PowerSpectrum {
     /// P per stored mode (half of a grid, see `WaveGrid`).
     pub p: Vec<f64>,
     /// Standard error per stored mode. Theory, for K = 1: a periodogram ordinate is exponential, so its standard error is
-    /// P itself.
+    /// P itself; over the root of the number of tapers where P is their mean.
     pub p_se: Vec<f64>,
     /// Where `p_se` comes from.
     pub errors: ErrorSource,
     realizations: Realizations,
+    /// Independent ordinates behind a mode of one realization: tapers.
+    ordinates: f64,
 }
 
 impl PowerSpectrum {
@@ -36,6 +38,7 @@ impl PowerSpectrum {
             p_se,
             errors: ErrorSource::of(power.realizations),
             realizations: realizations(power),
+            ordinates: plan.tapers(),
         }
     }
 
@@ -47,8 +50,11 @@ impl PowerSpectrum {
     /// The band that holds P at each stored mode; none at m = 0, where P is no fluctuation.
     pub fn bands(&self) -> Vec<Option<Band>> {
         let zero = |k: usize| self.waves.vector(k) == [0.0; 3];
-        let band = |k: usize| Band::new(self.p[k], self.p_se[k], self.realizations, 1.0);
-        (0..self.p.len()).map(|k| band(k).filter(|_| !zero(k))).collect()
+        (0..self.p.len()).map(|k| self.band(k).filter(|_| !zero(k))).collect()
+    }
+
+    pub(super) fn band(&self, k: usize) -> Option<Band> {
+        Band::new(self.p[k], self.p_se[k], self.realizations, self.ordinates)
     }
 
     /// P and its standard error at m = 0, if that is among the wave vectors.

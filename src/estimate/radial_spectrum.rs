@@ -23,7 +23,8 @@ pub struct Ring {
     pub independent_modes: u64,
     /// Mean of P over the ring.
     pub p: f64,
-    /// Standard error of `p`: across realizations, or for K = 1 `p / sqrt(independent_modes)`.
+    /// Standard error of `p`: across realizations, or for K = 1 `p / sqrt(independent_modes)`, times the root of
+    /// `TaperPlan::ring_variance` for tapers.
     pub p_se: f64,
     /// Confidence band of `p`.
     pub band: Option<Band>,
@@ -40,7 +41,7 @@ pub struct RadialSpectrum {
     /// The rings, from the fundamental upward.
     pub rings: Vec<Ring>,
     /// What the anisotropy of an isotropic spectrum would be: `-10 log10 K` dB, with `K = (sum N)^2 / sum N^2` where the
-    /// norms N of realizations differ (n varies, or points have weights).
+    /// norms N of realizations differ (n varies, or points have weights), times the number of tapers.
     pub anisotropy_reference_db: f64,
     /// That K: how many realizations of equal norm would know as much.
     pub realizations: f64,
@@ -59,6 +60,7 @@ impl RadialSpectrum {
         let p_se = without_dc(plan, power, spectrum, &p, p_se);
         let spread = spread(plan, &spectrum.p, &p);
         let realizations = realizations(power);
+        let averaged = realizations.effective * plan.tapers();
         let rings = (0..plan.rings.count)
             .map(|k| {
                 let independent = plan.rings.independent[k];
@@ -66,9 +68,11 @@ impl RadialSpectrum {
                 let resolved = p[k] > plan.accuracy.power_bound().zero(plan.shape.mean_points);
                 let defined =
                     independent >= 2 && resolved && variance > (plan.accuracy.relative_noise() * p[k]).powi(2);
-                // Independent modes of a K-average of exponentials are Gamma(K): by the delta method the relative
-                // variance of s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (K N).
-                let relative = 2.0 / (independent as f64 - 1.0) + 2.0 / (realizations.effective * independent as f64);
+                // Independent modes of an average of A exponentials are Gamma(A): by the delta method the relative variance of
+                // s^2 / mean^2 is 2/(N-1) + (6 + 4 - 8) / (A N), and as for the mean no more than `ring_variance` times as
+                // much where tapers correlate modes.
+                let relative =
+                    plan.ring_variance() * (2.0 / (independent as f64 - 1.0) + 2.0 / (averaged * independent as f64));
                 let [nu_lo, nu, nu_hi] = plan.rings.bounds[k];
                 Ring {
                     nu_lo,
@@ -94,7 +98,7 @@ impl RadialSpectrum {
             anisotropy_reference_db: match plan.convention {
                 Convention::Psa if plan.bug_compatible && power.realizations > 1 => -(realizations.count as f64),
                 // 0 - 0 is 0, where -0 would be printed as such.
-                _ => 0.0 - 10.0 * (realizations.effective * plan.tapers()).log10(),
+                _ => 0.0 - 10.0 * averaged.log10(),
             },
             realizations: realizations.effective,
             errors: ErrorSource::of(power.realizations),

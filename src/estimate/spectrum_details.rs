@@ -33,7 +33,7 @@ impl SpectrumDetails {
         vector: Option<&VectorCorrelation>,
     ) -> Self {
         Self {
-            axes: AxisSlices::new(plan, power, spectrum),
+            axes: AxisSlices::new(plan, spectrum),
             angular: AngularSpectrum::new(plan, power, radial),
             scalars: SpectrumScalars::new(plan, power, spectrum, radial),
             of_pcf: pcf.and_then(|g| SpectrumOfPcf::new(&plan.domain, g, spectrum, radial)),

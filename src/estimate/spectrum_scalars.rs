@@ -54,7 +54,7 @@ fn high_frequency(plan: &WavePlan, power: &WavePower, spacing: f64) -> Option<Hi
     let upper = plan.rings.count / 2..plan.rings.count;
     let range = [plan.rings.bounds.get(upper.start)?[0], plan.rings.bounds.last()?[2]];
     let total = |of: &[u64]| of[upper.clone()].iter().sum::<u64>() as f64;
-    let (modes, independent) = (total(&plan.rings.modes), total(&plan.rings.independent));
+    let (modes, independent) = (total(&plan.rings.modes), total(&plan.rings.independent) / plan.ring_variance());
     let (p, p_se) = ratio_estimate(power, &power.upper_totals(), |_| modes, |_| independent);
     let band = Band::new(p[0], p_se[0], realizations(power), independent);
     (range[0] >= spacing).then_some(HighFrequency { range, p: p[0], p_se: p_se[0], band })

@@ -205,7 +205,9 @@ mod tests {
             let (list, rings, whole) = list(&sides, &f, n);
             assert_eq!(rings.count, whole.count, "{sides:?}");
             for (k, (&some, &all)) in rings.independent.iter().zip(&whole.independent).enumerate() {
-                let fewest = all.min(if k > 30 { n / 4 } else { 1 });
+                // Rows that a flat ring crosses at a grazing angle hold few members near a direction.
+                let least = if sides.iter().all(|s| *s == sides[0]) { n / 2 } else { n / 4 };
+                let fewest = all.min(if k > 30 { least } else { 1 });
                 assert!((fewest..=all.min(n)).contains(&some), "{sides:?}, ring {}: {some} of {all}", k + 1);
                 assert!(all > n || some == all, "{sides:?}, ring {}: {some} of {all}", k + 1);
             }

@@ -121,10 +121,10 @@ impl WaveGrid {
 
     /// The whole grid from stored values, x axis first (slowest), index `m + F`.
     pub fn full<'a>(&self, half: &'a [f64]) -> impl ExactSizeIterator<Item = f64> + 'a {
-        let [_, n1, n2] = self.half_shape();
-        let mirrored = self.max_frequency[0] as usize * n1 * n2;
-        // Planes m_0 < 0 are the stored planes read backwards; what follows is the store itself.
-        (0..self.full_len()).map(move |i| if i < mirrored { half[half.len() - 1 - i] } else { half[i - mirrored] })
+        let (dc, centre) = (self.dc(), self.full_len() / 2);
+        // What precedes DC is what follows it, read backwards: exactly so also on the plane m_0 = 0, which is stored whole and
+        // where an FFT's two halves differ by rounding.
+        (0..self.full_len()).map(move |i| half[dc + i.abs_diff(centre)])
     }
 
     /// The columns of the matrix product: all `(m_1, m_2)` from which every stored mode follows by sign, i.e. one of

@@ -32,10 +32,9 @@ impl Sectors {
         if !(1..=MAX_SECTORS).contains(&count) {
             return Err(Error::setting("--sectors", count, format!("expected 1 to {MAX_SECTORS}")));
         }
-        let sides = domain.sides();
         let sector = |index: usize| {
-            let m = waves.vector(index);
-            let turn = (m[1] / sides[1]).atan2(m[0] / sides[0]) / std::f64::consts::PI;
+            let [x, y, _] = waves.frequency(index, domain);
+            let turn = y.atan2(x) / std::f64::consts::PI;
             ((turn.rem_euclid(1.0) * count as f64 + 0.5).floor() as usize) % count
         };
         let mut modes = vec![0; count];

@@ -2,6 +2,7 @@
 
 use super::WaveGrid;
 use crate::error::{Error, Result};
+use crate::points::Domain;
 
 /// The wave vectors of a spectrum, in cycles per side of the domain along each axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,6 +76,17 @@ impl WaveVectors {
             Self::Grid(grid) => grid.mode(index).map(f64::from),
             Self::List(list) => list.vectors[index],
         }
+    }
+
+    /// Its frequency `nu = m / L`, in cycles per unit length.
+    pub fn frequency(&self, index: usize, domain: &Domain) -> [f64; 3] {
+        let (m, sides) = (self.vector(index), domain.sides());
+        std::array::from_fn(|k| sides.get(k).map_or(0.0, |side| m[k] / side))
+    }
+
+    /// `|nu|`.
+    pub fn frequency_length(&self, index: usize, domain: &Domain) -> f64 {
+        self.frequency(index, domain).iter().map(|nu| nu * nu).sum::<f64>().sqrt()
     }
 
     /// How many modes the stored mode stands for.

@@ -1,7 +1,7 @@
-//! `covariance.png`: |C_ml| as a matrix, m downward and l to the right.
+//! `covariance.png`: |C_ml| as a matrix, m downward and l to the right, zero frequency left out.
 
 use super::color_map::sequential;
-use super::spectrum_image::encode;
+use super::spectrum_image::{DC, encode};
 use super::text::human;
 use crate::estimate::AmplitudeCovariance;
 
@@ -36,13 +36,13 @@ pub(super) fn render(covariance: &AmplitudeCovariance) -> Result<CovarianceImage
     let side = cells * zoom;
     let mut image = Vec::with_capacity(3 * side * side);
     for row in 0..cells {
-        let members = |cell: usize| cell * block..((cell + 1) * block).min(modes);
+        let members = |cell: usize| (cell * block..((cell + 1) * block).min(modes)).filter(|&m| m != dc);
         let line: Vec<u8> = (0..cells)
             .map(|column| {
                 let pairs = members(row).flat_map(|m| members(column).map(move |l| (m, l)));
-                pairs.map(|(m, l)| covariance.magnitude(m, l)).fold(0.0, f64::max)
+                pairs.map(|(m, l)| covariance.magnitude(m, l)).reduce(f64::max)
             })
-            .flat_map(|c| std::iter::repeat_n(sequential(tone(c)), zoom))
+            .flat_map(|c| std::iter::repeat_n(c.map_or(DC, |c| sequential(tone(c))), zoom))
             .flatten()
             .collect();
         (0..zoom).for_each(|_| image.extend_from_slice(&line));
@@ -54,7 +54,7 @@ pub(super) fn render(covariance: &AmplitudeCovariance) -> Result<CovarianceImage
     };
     let caption = format!(
         "m downward and l to the right, both in the order of covariance.npy, all |m_k| <= {largest} with x slowest and DC in \
-         the middle; {shown}; logarithmic from {:.3e} to {top:.3e}, the largest P but DC",
+         the middle, left out and grey; {shown}; logarithmic from {:.3e} to {top:.3e}, the largest P but DC",
         top * 10f64.powi(-DECADES)
     );
     let description = format!("{caption}; colour map: viridis");

@@ -233,7 +233,7 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
     }
     if let Some(radial) = &a.radial {
         let db = human(radial.anisotropy_reference_db);
-        rows.push(("Anisotropy if isotropic, −10 log<sub>10</sub> <i>K</i>".into(), format!("{db} dB")));
+        rows.push(("Anisotropy if isotropic".into(), format!("{db} dB")));
     }
     if let Some(details) = &a.details {
         rows.extend(spectrum_numbers::rows(details));
@@ -346,7 +346,8 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
     if let Some(svg) = &pictures.anisotropy {
         let caption = "10 log<sub>10</sub>(<i>s</i><sup>2</sup> / <i>P</i>(<i>ν</i>)<sup>2</sup>) in dB, with \
              <i>s</i><sup>2</sup> the variance of <i>P</i>(<b>m</b>) over the independent modes of a ring; an isotropic \
-             spectrum averaged over <i>K</i> realizations scatters around −10 log<sub>10</sub> <i>K</i>.";
+             spectrum that is the average of <i>K</i> independent ones (of realizations, and of each one's tapers) scatters \
+             around −10 log<sub>10</sub> <i>K</i>.";
         figure(html, svg, caption);
     }
     if let Some(svg) = &pictures.spectrum_axes {

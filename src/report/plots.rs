@@ -327,7 +327,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     let db = human(reference);
     let mut layers = vec![
         Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(scatter) },
-        Layer::Level { name: format!("isotropic: −10 log₁₀ K = {db} dB"), y: reference },
+        Layer::Level { name: format!("isotropic: {db} dB"), y: reference },
         Layer::Line {
             name: "anisotropy".into(),
             color: BLUE,

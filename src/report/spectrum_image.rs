@@ -23,7 +23,7 @@ const THINNEST: f64 = 0.25;
 const PEAK: u32 = 5;
 
 /// DC is n, not a fluctuation: a grey that means nothing.
-const DC: [u8; 3] = [128; 3];
+pub(super) const DC: [u8; 3] = [128; 3];
 
 /// The picture and what it shows.
 pub(super) struct SpectrumImage {

@@ -327,8 +327,7 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
                 _ => "all",
             },
             errors: r.errors,
-            // -10 log10 1 is -0.
-            anisotropy_reference_db: r.anisotropy_reference_db + 0.0,
+            anisotropy_reference_db: r.anisotropy_reference_db,
             bands: BandsOut::new(r),
         }),
         spectrum_scalars: a.details.as_ref().map(ScalarsOut::new),
@@ -336,7 +335,7 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
         covariance: a.covariance.as_ref().map(|c| CovarianceOut {
             max_frequency: c.grid.max_frequency()[0],
             modes: c.modes(),
-            order: "m_x slowest, each m_k from -B to B; m = 0 in the middle",
+            order: "m_x slowest, each m_k from -B to B; m = 0 in the middle, left out of covariance.png and of the numbers here",
             scalars: c.scalars,
         }),
         convention: (a.convention != Convention::Ours).then(|| ConventionOut {

@@ -227,24 +227,24 @@ pub(super) fn pcf_from_spectrum(analysis: &Analysis) -> Option<Table> {
 /// dimensionless with its 95 % band.
 pub(super) fn spectrum_list(analysis: &Analysis) -> Option<Table> {
     let spectrum = analysis.spectrum.as_ref().filter(|s| analysis.grid_wanted && s.waves.grid().is_none())?;
-    let sides = analysis.domain.sides();
-    let vectors = || (0..spectrum.p.len()).map(|k| spectrum.waves.vector(k));
+    let (domain, dim) = (&analysis.domain, analysis.domain.dim());
+    let modes = || 0..spectrum.p.len();
+    let vectors = || modes().map(|k| spectrum.waves.vector(k));
     let mut table = Table::new();
-    for (axis, name) in ["m_x", "m_y", "m_z"].into_iter().enumerate().take(sides.len()) {
-        table = if analysis.domain.is_torus() {
+    for (axis, name) in ["m_x", "m_y", "m_z"].into_iter().enumerate().take(dim) {
+        table = if domain.is_torus() {
             table.text(name, vectors().map(|m| (m[axis] as i64).to_string()))
         } else {
             table.floats(name, vectors().map(|m| m[axis]))
         };
     }
-    for (axis, name) in ["nu_x", "nu_y", "nu_z"].into_iter().enumerate().take(sides.len()) {
-        table = table.floats(name, vectors().map(|m| m[axis] / sides[axis]));
+    for (axis, name) in ["nu_x", "nu_y", "nu_z"].into_iter().enumerate().take(dim) {
+        table = table.floats(name, modes().map(|k| spectrum.waves.frequency(k, domain)[axis]));
     }
-    let length = |m: [f64; 3]| sides.iter().zip(m).map(|(side, m)| (m / side).powi(2)).sum::<f64>().sqrt();
     let bands = spectrum.bands();
     Some(
         table
-            .floats("nu", vectors().map(length))
+            .floats("nu", modes().map(|k| spectrum.waves.frequency_length(k, domain)))
             .floats("p", spectrum.p.iter().copied())
             .floats("p_se", spectrum.p_se.iter().copied())
             .bands(bands.iter().copied()),

@@ -1,7 +1,7 @@
 //! Shared by the tests: inputs, and comparators that `comparison_can_fail.rs` proves able to fail.
 #![allow(dead_code, reason = "every test file uses its own part")]
 
-use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
+use pairwave::accumulate::{LagCounts, PairCounts, WaveCovariance, WavePower};
 use pairwave::compute::{Compute, Control, reference::Reference};
 use pairwave::plan::{
     Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, LagGrid, LagPlan, PairPlan, PairSettings, RadialBins,
@@ -423,6 +423,34 @@ pub fn power_error(a: &WavePower, reference: &WavePower) -> Result<PowerError, S
         squares += (p - r).powi(2);
     }
     Ok(PowerError { max, rms: (squares / p.len() as f64).sqrt() })
+}
+
+/// Whether the sums behind a covariance of amplitudes are those of the reference up to rounding.
+pub fn covariances_agree(a: &WaveCovariance, reference: &WaveCovariance) -> Result<(), String> {
+    if a.computed_by.backends == reference.computed_by.backends {
+        return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
+    }
+    let (sums, truth) = (a.totals(), reference.totals());
+    if (a.realizations, sums.stored) != (reference.realizations, truth.stored) {
+        return Err("different realizations or modes".into());
+    }
+    for (name, a, b) in [
+        ("products", &sums.products[..], &truth.products[..]),
+        ("products with norms", &sums.products_n, &truth.products_n),
+        ("powers", &sums.powers, &truth.powers),
+        ("norms", &sums.norms, &truth.norms),
+    ] {
+        let top = b.iter().fold(1.0, |t: f64, x| t.max(x.abs()));
+        // Written so that NaN fails.
+        let near = |k: usize| (a[k] - b[k]).abs() <= 1e-12 * top;
+        if a.len() != b.len() {
+            return Err(format!("{name}: {} values, not {}", a.len(), b.len()));
+        }
+        if let Some(k) = (0..a.len()).find(|&k| !near(k)) {
+            return Err(format!("{name}: {} at {k}, not {}", a[k], b[k]));
+        }
+    }
+    Ok(())
 }
 
 /// Asserts the promise of an accuracy level and prints the clearance.
