@@ -25,21 +25,27 @@ pub struct NufftCosts {
     pub row: f64,
     /// A cell of it, in whole vectors.
     pub add: f64,
-    /// A cell of the fine grid: cleared, folded and transformed.
+    /// A cell of a small fine grid: cleared, folded and transformed.
     pub cell: f64,
+    /// What a cell of a large one takes beside that; half of it in a grid of `cache` cells.
+    pub far_cell: f64,
+    /// See `far_cell`.
+    pub cache: f64,
     /// Beginning.
     pub start: f64,
 }
 
 impl NufftCosts {
     /// Fitted as `WaveCosts::CPU` is.
-    pub const CPU: Self = Self { point: 18.0, row: 1.4, add: 0.08, cell: 3.5, start: 0.0 };
+    pub const CPU: Self = Self { point: 18.0, row: 1.4, add: 0.08, cell: 1.6, far_cell: 4.0, cache: 6e5, start: 0.0 };
 
     /// One realization of `points` points.
     pub fn nanoseconds(&self, sizes: &NufftSizes, points: f64) -> f64 {
         let rows = sizes.width.pow(sizes.axes.len() as u32 - 1) as f64;
         let row = self.row + self.add * kernel_lanes(sizes.width) as f64;
-        self.start + points * (self.point + rows * row) + self.cell * sizes.fine_cells()
+        let cells = sizes.fine_cells();
+        let cell = self.cell + self.far_cell * cells / (cells + self.cache);
+        self.start + points * (self.point + rows * row) + cells * cell
     }
 }
 

@@ -22,9 +22,9 @@ pub(super) struct Kernel {
 impl Kernel {
     /// The kernel of `width` cells for a grid upsampled by `sigma`, its polynomials good to `tolerance` of its peak.
     pub(super) fn new(width: usize, sigma: f64, tolerance: f64) -> Self {
-        // The transform then falls to the aliasing error just where the first alias begins (a little less than
-        // that is best, for wide kernels less so).
-        let share = if width > 8 { 0.985 } else { 0.975 };
+        // The transform then falls to the aliasing error just where the first alias begins (a
+        // little less than that is best, for the widest kernel less so).
+        let share = if width == MAX_WIDTH { 0.985 } else { 0.975 };
         let beta = share * PI * width as f64 * (1.0 - 0.5 / sigma);
         let mut kernel = Self { width, beta, pieces: Vec::new() };
         kernel.pieces = kernel.fit(tolerance);
