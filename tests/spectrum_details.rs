@@ -12,7 +12,7 @@ use pairwave::estimate::{
     BandLaw, BlueNoise, LagConsistency, Normalization, PairCorrelation, PowerSpectrum, PsaStatistics, RadialSpectrum,
     SpectrumDetails, VectorCorrelation,
 };
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, RadialBins, WaveGrid, WavePlan};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, RadialBins, WaveGrid, WavePlan, WaveRoad};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// Spectrum, rings and details of an ensemble, with g of distances and of lags, all by the fast path.
@@ -413,4 +413,29 @@ fn sectors_are_refused_where_there_are_none() {
         let refusal = wave_plan(&e, &[4, 4], Accuracy::High).with_sectors(count).unwrap_err();
         assert!(refusal.to_string().starts_with(&format!("--sectors {count}: expected 1 to 3600")), "{refusal}");
     }
+}
+
+/// Where only rings are computed, nothing is read from the corners of the grid, which stay 0.
+#[test]
+fn rings_alone_are_enough_or_nothing_is_said() {
+    let domain = Domain::torus(&[3.0, 1.0]).unwrap();
+    let mut rng = Rng(5);
+    let points: Vec<f64> = (0..400).map(|j| rng.unit() * if j % 2 == 0 { 3.0 } else { 1.0 }).collect();
+    let e = Ensemble::from_raw(&[raw(2, points)], &domain, false, 0).unwrap();
+    let whole = WavePlan { road: Some(WaveRoad::DirectF64), ..sectors(wave_plan(&e, &[60, 30], Accuracy::High), 18) };
+    let rings = WavePlan { rings_only: true, ..whole.clone() };
+    let cpu = Cpu::new(Some(1)).unwrap();
+    let [whole, rings] =
+        [whole, rings].map(|plan| estimates(&plan, &cpu.wave_power(&plan, &e, &Control::default()).unwrap()).2);
+    assert_eq!(rings.angular, whole.angular);
+    assert!(rings.axes.modes.len() < whole.axes.modes.len());
+    for mode in &rings.axes.modes {
+        assert!(whole.axes.modes.contains(mode), "{mode:?}");
+    }
+    let [a, b] = [&rings, &whole].map(|d| d.scalars.blue_noise.unwrap());
+    assert_eq!(a.effective_nyquist, b.effective_nyquist);
+    // Independent points: what remains is noise, near 100 / (pi (nu_0 + nu_1)) squared.
+    assert!(a.oscillation.is_none_or(|o| o < 2.0 * b.oscillation.unwrap()), "{a:?}, {b:?}");
+    let [a, b] = [&rings, &whole].map(|d| d.scalars.diaphony.unwrap().diaphony);
+    assert!((a / b - 1.0).abs() < 0.05 && a != b, "{a}, {b}");
 }

@@ -215,11 +215,10 @@ pub fn run(
     if let Some(lags) = plan.lags.as_ref().filter(|_| request.lag_max.is_none() && request.lag_bins.is_none()) {
         warnings.extend(lags.coarse(shape.mean_points));
     }
-    if let Some(waves) =
-        plan.waves.as_ref().filter(|_| request.max_frequency.is_none() && request.frequencies.is_none())
-    {
-        let reach = waves.waves.grid().map_or(0, |grid| grid.max_frequency()[0]);
-        let wanted = 5.0 * shape.mean_points.powf(1.0 / waves.waves.dim() as f64);
+    let default_grid = request.max_frequency.is_none() && request.convention == Convention::Ours;
+    if let Some(grid) = plan.waves.as_ref().filter(|_| default_grid).and_then(|w| w.waves.grid()) {
+        let reach = grid.max_frequency()[0];
+        let wanted = 5.0 * shape.mean_points.powf(1.0 / grid.dim() as f64);
         if source.domain().is_cubic() && f64::from(reach) < 0.9 * wanted {
             warnings.push(format!("P reaches |m| = {reach} only, to bound its memory; --max-frequency asks for more"));
         }

@@ -36,6 +36,7 @@ impl AxisSlices {
     pub fn new(plan: &WavePlan, spectrum: &PowerSpectrum) -> Self {
         let mut modes: Vec<_> = on_axes(&plan.waves)
             .into_iter()
+            .filter(|&(_, _, index)| plan.computes(index))
             .map(|(axis, m, index)| {
                 let (p, p_se) = (spectrum.p[index], spectrum.p_se[index]);
                 let nu = m / plan.domain.sides()[axis];

@@ -63,7 +63,8 @@ fn with_partial_rings(plan: &WavePlan, spectrum: &PowerSpectrum, radial: &Radial
     let Some(grid) = plan.waves.grid() else { return curve };
     let (first, fundamental) = (plan.rings.count + 1, plan.rings.fundamental);
     let mut sums: Vec<[f64; 2]> = Vec::new();
-    for (index, p) in spectrum.p.iter().enumerate().filter(|(index, _)| plan.rings.ring_of[*index] == 0) {
+    let beyond = |index: usize| plan.rings.ring_of[index] == 0 && plan.computes(index);
+    for (index, p) in spectrum.p.iter().enumerate().filter(|(index, _)| beyond(*index)) {
         let nu = plan.waves.frequency_length(index, &plan.domain);
         // What is in no ring is DC or lies beyond all.
         let Some(ring) = ((nu / fundamental + 0.5).floor() as usize).checked_sub(first) else { continue };

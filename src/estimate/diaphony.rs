@@ -14,9 +14,9 @@ use crate::plan::WavePlan;
 pub struct Diaphony {
     /// F, the root of both parts of its square.
     pub diaphony: f64,
-    /// The sum over the grid.
+    /// The sum over what is computed of the grid.
     pub grid_squared: f64,
-    /// The rest, closed with the level of P at high frequency for all modes outside the grid.
+    /// The rest, closed with the level of P at high frequency for all other modes.
     pub tail_squared: f64,
     /// That level.
     pub tail_level: f64,
@@ -32,7 +32,7 @@ impl Diaphony {
             return None;
         }
         let (mut sum, mut coefficients) = (0.0, 0.0);
-        for (index, p) in spectrum.p.iter().enumerate().filter(|(index, _)| *index != grid.dc()) {
+        for (index, p) in spectrum.p.iter().enumerate().filter(|(k, _)| *k != grid.dc() && plan.computes(*k)) {
             let factor = grid.mode(index).iter().map(|&m| f64::from(m.abs().max(1)).powi(-2)).product::<f64>();
             let times = f64::from(grid.multiplicity(index));
             sum += times * factor * p;

@@ -37,7 +37,9 @@ impl SpectrumDetails {
             angular: AngularSpectrum::new(plan, power, radial),
             scalars: SpectrumScalars::new(plan, power, spectrum, radial),
             of_pcf: pcf.and_then(|g| SpectrumOfPcf::new(&plan.domain, g, spectrum, radial)),
-            lags: vector.and_then(|v| LagConsistency::new(&plan.domain, plan.shape, v, spectrum)),
+            lags: vector
+                .filter(|_| plan.needed().is_none())
+                .and_then(|v| LagConsistency::new(&plan.domain, plan.shape, v, spectrum)),
         }
     }
 }

@@ -83,8 +83,8 @@ impl Accuracy {
     /// Spread among values of P that is rounding and no more, relative to P.
     pub const fn relative_noise(self) -> f64 {
         match self {
-            Self::Fast => 1e-6,
-            Self::High => 1e-13,
+            Self::Fast => 1e-5,
+            Self::High => 1e-12,
         }
     }
 

@@ -75,7 +75,7 @@ impl TaperPlan {
         let orders = match (taper, orders) {
             (_, None) => 1,
             (Taper::Bartlett, Some(n)) => {
-                return Err(Error::setting("--tapers", n, "Bartlett's taper is one; expected --taper sine"));
+                return Err(Error::setting("--tapers", n, "needs --taper sine; Bartlett's taper is one"));
             }
             (Taper::Sine, Some(n)) => n,
         };

@@ -40,7 +40,9 @@ impl WaveGrid {
         if modes > MAX_MODES {
             let value = max_frequency.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
             let gib = (modes * BYTES_PER_MODE) >> 30;
-            let reason = format!("{modes} wave vectors need about {gib} GiB; at most {MAX_MODES} are supported");
+            let reason = format!(
+                "{modes} wave vectors need about {gib} GiB; at most {MAX_MODES} are supported (rings alone: --stats radial --ring-directions N)"
+            );
             return Err(Error::setting("--max-frequency", value, reason));
         }
         Ok(grid)

@@ -95,6 +95,11 @@ impl WavePlan {
         self.rings_only.then_some(&self.rings.ring_of)
     }
 
+    /// Whether P at the stored mode is computed.
+    pub fn computes(&self, index: usize) -> bool {
+        self.needed().is_none_or(|ring_of| ring_of[index] > 0)
+    }
+
     /// The same with power summed by direction (2D).
     pub fn with_sectors(mut self, count: usize) -> Result<Self> {
         self.rings.sectors = Sectors::new(count, &self.waves, &self.rings, &self.domain)?;
@@ -137,8 +142,11 @@ impl fmt::Display for WavePlan {
             self.shape.mean_points,
             self.costs.device
         )?;
-        for estimate in estimates {
+        for estimate in &estimates {
             writeln!(f, "    {estimate}")?;
+        }
+        for road in WaveRoad::ALL.into_iter().filter(|road| estimates.iter().all(|e| e.road != *road)) {
+            writeln!(f, "    {} does not keep the promise, fit into memory, or exist there", road.name())?;
         }
         if let Some(taper) = &self.taper {
             writeln!(f, "  {taper}")?;

@@ -80,6 +80,9 @@ impl WaveCosts {
 }
 
 impl WaveRoad {
+    /// All there are.
+    pub const ALL: [Self; 3] = [Self::DirectF32, Self::DirectF64, Self::Nufft];
+
     /// The roads that keep the promise, and that fit into memory, with estimates for a realization of `n` points. `share`
     /// is the part of a grid's modes that is needed.
     pub fn alternatives(
