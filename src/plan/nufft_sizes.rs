@@ -19,8 +19,8 @@ const UPSAMPLING: [f64; 3] = [1.5, 2.0, 2.25];
 /// What a transform takes on a device, in nanoseconds of one thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NufftCosts {
-    /// A point: its place in the sort, and its kernel along every axis.
-    pub point: f64,
+    /// A point's kernel along an axis, by the square of its width: so many cells, polynomials of about that degree.
+    pub kernel: f64,
     /// A row of cells that a point is added to.
     pub row: f64,
     /// A cell of it, in whole vectors.
@@ -36,16 +36,18 @@ pub struct NufftCosts {
 }
 
 impl NufftCosts {
-    /// Fitted as `WaveCosts::CPU` is.
-    pub const CPU: Self = Self { point: 18.0, row: 1.4, add: 0.08, cell: 1.6, far_cell: 4.0, cache: 6e5, start: 0.0 };
+    /// Least squares of the logarithms of the times of transforms in `benches/wave_sweep.rs`, on the core of `WaveCosts::CPU`.
+    pub const CPU: Self =
+        Self { kernel: 0.115, row: 0.1, add: 0.14, cell: 2.4, far_cell: 2.6, cache: 6e5, start: 2000.0 };
 
     /// One realization of `points` points.
     pub fn nanoseconds(&self, sizes: &NufftSizes, points: f64) -> f64 {
+        let kernels = (sizes.axes.len() * sizes.width.pow(2)) as f64;
         let rows = sizes.width.pow(sizes.axes.len() as u32 - 1) as f64;
         let row = self.row + self.add * kernel_lanes(sizes.width) as f64;
         let cells = sizes.fine_cells();
         let cell = self.cell + self.far_cell * cells / (cells + self.cache);
-        self.start + points * (self.point + rows * row) + cells * cell
+        self.start + points * (kernels * self.kernel + rows * row) + cells * cell
     }
 }
 
