@@ -30,7 +30,7 @@ const PANEL: usize = 160;
 /// copy the table of columns for so few. Whole groups of a table.
 const LINES: usize = 48;
 
-/// Lines of a block where a tile has at least as many: then that copy pays.
+/// Lines from which a tile is one block: then that copy pays.
 const MANY_LINES: usize = 256;
 
 /// Panels between two looks at the control.
@@ -194,7 +194,7 @@ impl<'a> Factors<'a> {
         let mut offset = 0;
         // Rings need fewer columns of the later rows: there, blocks stay small.
         let many = self.rings.is_none() && 2 * rows.len() >= MANY_LINES;
-        let height = if many { MANY_LINES } else { LINES } / 2;
+        let height = if many { rows.len() } else { LINES / 2 };
         for first in rows.clone().step_by(height) {
             let block = first..(first + height).min(rows.end);
             let needed = |c: usize| block.clone().any(|r| self.at(r + 1, c).iter().any(Option::is_some));
