@@ -29,7 +29,7 @@ pub enum Statistic {
 }
 
 /// The points: files, or a sampler.
-#[derive(Debug, Clone, Default, clap::Args, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, clap::Args, serde::Serialize)]
 pub struct PointsRequest {
     /// Point files or directories, one batch; `-` is stdin
     #[arg(value_name = "FILES", conflicts_with = "sampler")]

@@ -1,6 +1,6 @@
 //! Raw sums of a kernel estimate: over realizations, of the kernel sums and what their error needs, per r.
 
-use super::ordered_sum::{LEAF, OrderedSum};
+use super::ordered_sum::{LEAF, NOT_NEXT, OrderedSum};
 use crate::compute::ComputedBy;
 use crate::error::{Error, Result};
 
@@ -112,6 +112,19 @@ impl KernelSums {
         if let Some((leaf, sums)) = self.leaf.take() {
             self.moments.add_leaf(leaf, sums);
         }
+    }
+
+    /// Adds the realization that follows, to those of one leaf that is not full.
+    pub fn append(&mut self, mut next: Self) -> Result<()> {
+        self.close_leaf();
+        next.close_leaf();
+        if !self.moments.append(&next.moments) {
+            return Err(Error::input("kernel sums", NOT_NEXT));
+        }
+        self.computed_by = self.computed_by.merge(&next.computed_by);
+        self.realizations += next.realizations;
+        self.coincident += next.coincident;
+        Ok(())
     }
 
     /// Adds other realizations of the same process. Both parts must consist of whole leaves of 16 realizations (the very

@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 /// Realizations per leaf. Shards cut at multiples of this merge to the bytes of the whole run.
 pub const LEAF: u64 = 16;
 
+/// Why an `append` was refused.
+pub(super) const NOT_NEXT: &str = "only a realization of the same leaf can be appended";
+
 /// A vector of sums over realizations, in a fixed order of additions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OrderedSum {
@@ -31,6 +34,20 @@ impl OrderedSum {
     pub fn merge(&mut self, other: Self) {
         for ((level, index), sum) in other.nodes {
             self.insert(level, index, sum);
+        }
+    }
+
+    /// Adds `next`, the realization that follows those of the leaf that is all of `self`. So a leaf that grows by one
+    /// realization at a time has the bytes of the leaf added at once. Whether both are of the same leaf.
+    #[must_use]
+    pub fn append(&mut self, next: &Self) -> bool {
+        let (mut here, mut there) = (self.nodes.iter_mut(), next.nodes.iter());
+        match (here.next(), there.next(), here.next(), there.next()) {
+            (Some((&(0, a), sum)), Some((&(0, b), single)), None, None) if a == b => {
+                sum.iter_mut().zip(single).for_each(|(a, b)| *a += b);
+                true
+            }
+            _ => false,
         }
     }
 
@@ -113,6 +130,21 @@ mod tests {
         let mut shuffled = OrderedSum::default();
         (0..37).for_each(|i| shuffled.add_leaf(i * 11 % 37, leaf(i * 11 % 37)));
         assert_eq!(shuffled, whole);
+    }
+
+    #[test]
+    fn a_leaf_that_grows_has_the_bytes_of_one_added_at_once() {
+        let values = [1e30, -0.1, 3e-3, 7e12, 0.1];
+        let single = |v| {
+            let mut sum = OrderedSum::default();
+            sum.add_leaf(3, vec![v]);
+            sum
+        };
+        let mut grown = single(values[0]);
+        assert!(values[1..].iter().all(|&v| grown.append(&single(v))));
+        assert_eq!(grown.total(), [values.iter().fold(0.0, |sum, v| sum + v)]);
+        assert!(!grown.append(&sum_of(4..5)), "another leaf");
+        assert!(!grown.append(&sum_of(0..2)), "more than a leaf");
     }
 
     #[test]

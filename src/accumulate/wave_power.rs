@@ -1,6 +1,6 @@
 //! Raw sums of `wave_power`: over realizations, of `q = |s_m|^2` and what its error needs, per stored mode, ring and sector.
 
-use super::ordered_sum::{LEAF, OrderedSum};
+use super::ordered_sum::{LEAF, NOT_NEXT, OrderedSum};
 use crate::compute::ComputedBy;
 use crate::error::{Error, Result};
 use crate::plan::Rings;
@@ -98,6 +98,18 @@ impl WavePower {
             self.mode_sums.add_leaf(leaf.index, leaf.modes);
             self.ring_sums.add_leaf(leaf.index, leaf.rings);
         }
+    }
+
+    /// Adds the realization that follows, to those of one leaf that is not full.
+    pub fn append(&mut self, mut next: Self) -> Result<()> {
+        self.close_leaf();
+        next.close_leaf();
+        if !(self.mode_sums.append(&next.mode_sums) && self.ring_sums.append(&next.ring_sums)) {
+            return Err(Error::input("wave power", NOT_NEXT));
+        }
+        self.computed_by = self.computed_by.merge(&next.computed_by);
+        self.realizations += next.realizations;
+        Ok(())
     }
 
     /// Adds other realizations of the same process. Both parts must consist of whole leaves of 16 realizations (the very

@@ -10,7 +10,7 @@ use crate::points::Ensemble;
 use crate::request::Request;
 
 /// The two classes whose g is wanted.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Classes {
     pub(super) names: [String; 2],
     pub(super) numbers: [u32; 2],

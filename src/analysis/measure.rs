@@ -40,12 +40,7 @@ pub(super) struct Measured<'a> {
 impl Measured<'_> {
     /// Number and size of realizations, now that those a sampler drew are known.
     pub(super) fn shape(&self) -> EnsembleShape {
-        let realizations = self.sizes.len() as u64;
-        EnsembleShape {
-            realizations,
-            mean_points: self.sizes.iter().sum::<u64>() as f64 / realizations as f64,
-            max_points: self.sizes.iter().copied().max().unwrap_or(0),
-        }
+        EnsembleShape::of(&self.sizes)
     }
 }
 

@@ -5,6 +5,7 @@ mod classes;
 mod envelope;
 mod measure;
 mod plan;
+mod running;
 mod sums;
 
 use std::time::Instant;
@@ -14,6 +15,7 @@ use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
 use plan::{check_convention, check_points};
+pub use running::{Running, Status};
 
 use crate::accumulate::LagCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};
@@ -179,9 +181,24 @@ pub fn run(
             done
         })
         .transpose()?;
+    let found = Found { estimates, envelopes, warnings: device.into_warnings(), clock };
+    Ok(analysis(request, source, measured, found))
+}
+
+/// What was found besides the sums.
+struct Found {
+    estimates: Estimates,
+    envelopes: Option<Envelopes>,
+    warnings: Vec<String>,
+    clock: Clock,
+}
+
+/// Everything, of what was measured so far.
+fn analysis(request: &Request, source: &Source, measured: Measured<'_>, found: Found) -> Analysis {
+    let shape = measured.shape();
+    let Found { estimates, envelopes, mut warnings, mut clock } = found;
     let Measured { sums, plan, sizes, duplicates, first, .. } = measured;
     let Estimates { pair_correlation, k_function, kernel, neighbors } = estimates;
-    let mut warnings = device.into_warnings();
     if duplicates > 0 {
         warnings.push(format!("{duplicates} points coincide with another point of their realization"));
     }
@@ -294,7 +311,7 @@ pub fn run(
         _ => ClosedForm::default(),
     };
     clock.add("estimates", start.elapsed().as_secs_f64());
-    Ok(Analysis {
+    Analysis {
         subject: source.subject().to_string(),
         parameters: request.parameters(),
         domain: source.domain().clone(),
@@ -324,7 +341,7 @@ pub fn run(
         duplicates,
         warnings,
         first,
-    })
+    }
 }
 
 /// What theory says about the source, on a cubic torus.
@@ -350,7 +367,7 @@ fn closed_form(source: &Source, plan: &Plan, normalization: Normalization, g: Op
 }
 
 /// Wall time per stage.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 struct Clock {
     stages: Vec<(&'static str, f64)>,
 }

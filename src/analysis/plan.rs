@@ -18,7 +18,7 @@ use crate::request::{Request, Statistic};
 use crate::source::Source;
 
 /// Everything decided before the first sum: a value that can be printed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Whether g is wanted, not only K.
     pub(super) pcf: bool,

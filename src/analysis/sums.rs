@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::points::Ensemble;
 
 /// Raw sums over realizations; what the plan does not ask for is `None`.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Sums {
     pub(super) pairs: Option<PairCounts>,
     pub(super) cross: Option<CrossCounts>,
@@ -104,6 +104,16 @@ impl Sums {
         merge(&mut self.waves, next.waves, |a, b| a.merge(b))?;
         merge(&mut self.covariance, next.covariance, |a, b| a.merge(b))?;
         merge(&mut self.neighbors, next.neighbors, |a, b| a.merge(&b))
+    }
+
+    /// Adds the sums of the realization that follows, to those of one leaf that is not full. Not of covariances: a leaf of
+    /// those is one product.
+    pub(super) fn append(&mut self, next: Self) -> Result<()> {
+        let Self { pairs, cross, kernel, lags, rings, waves, covariance, neighbors, psa } = next;
+        merge(&mut self.kernel, kernel, |a, b| a.append(b))?;
+        merge(&mut self.waves, waves, |a, b| a.append(b))?;
+        // The others are integers, or kept per realization: any order and any cut will do.
+        self.merge(Self { pairs, cross, lags, rings, covariance, neighbors, psa, ..Self::default() })
     }
 
     /// Who computed them.

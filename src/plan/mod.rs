@@ -73,7 +73,21 @@ pub struct Batch {
     pub bytes_each: u64,
 }
 
+impl EnsembleShape {
+    /// Of realizations with so many points.
+    pub fn of(sizes: &[u64]) -> Self {
+        Self {
+            realizations: sizes.len() as u64,
+            mean_points: sizes.iter().sum::<u64>() as f64 / sizes.len() as f64,
+            max_points: sizes.iter().copied().max().unwrap_or(0),
+        }
+    }
+}
+
 impl Batch {
+    /// Of a plan that was not made to be carried out.
+    pub(crate) const NONE: Self = Self { realizations: 0, bytes_each: 0 };
+
     /// Whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most 4096 realizations, so
     /// that progress and cancellation stay lively.
     fn new(realizations: u64, bytes_each: u64) -> Self {
