@@ -1,6 +1,65 @@
-//! Colour maps. The diverging one: blue, white, red, with lightness even on both sides and told apart by colour-blind readers.
+//! Colour maps, even in lightness and told apart by colour-blind readers. The diverging one of the reports: blue, white, red, with lightness even on both sides and told apart by colour-blind readers.
 //! Moreland, "Diverging Color Maps for Scientific Visualization", ISVC 2009: linear in a polar form of CIELAB (M: length,
 //! s: angle from the grey axis, h: hue), from his blue over his white to his red.
+
+/// A map from [0, 1] to colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorMap {
+    /// Dark blue through green to yellow (van der Walt and Smith 2015).
+    Viridis,
+    /// Blue through grey to yellow, made for colour-blind readers (Nunez et al. 2018).
+    Cividis,
+    /// Black through red to pale yellow.
+    Inferno,
+    /// Black through purple to cream.
+    Magma,
+    /// Black to white, even in L* of CIELAB.
+    Grey,
+    /// Blue, white, red (Moreland 2009).
+    BlueRed,
+    /// Purple, white, orange (ColorBrewer's PuOr).
+    PurpleOrange,
+}
+
+impl ColorMap {
+    /// Maps from low to high, for P; the first is that of the reports.
+    pub const SEQUENTIAL: [Self; 5] = [Self::Viridis, Self::Cividis, Self::Inferno, Self::Magma, Self::Grey];
+    /// Maps that part in the middle, for g about 1; the first is that of the reports.
+    pub const DIVERGING: [Self; 2] = [Self::BlueRed, Self::PurpleOrange];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viridis => "viridis",
+            Self::Cividis => "cividis",
+            Self::Inferno => "inferno",
+            Self::Magma => "magma",
+            Self::Grey => "grey",
+            Self::BlueRed => "blue to red",
+            Self::PurpleOrange => "purple to orange",
+        }
+    }
+
+    /// The colour at `x` in [0, 1], as 8-bit sRGB. NaN is the low end of a sequential map and the middle of a diverging one.
+    pub fn color(self, x: f64) -> [u8; 3] {
+        let of = |gradient: colorous::Gradient, x: f64| {
+            let color = gradient.eval_continuous(x);
+            [color.r, color.g, color.b]
+        };
+        let rising = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+        match self {
+            Self::Viridis => of(colorous::VIRIDIS, rising),
+            Self::Cividis => of(colorous::CIVIDIS, rising),
+            Self::Inferno => of(colorous::INFERNO, rising),
+            Self::Magma => of(colorous::MAGMA, rising),
+            Self::Grey => srgb([100.0 * rising, 0.0, 0.0]),
+            Self::BlueRed => diverging(x),
+            // PuOr runs from orange to purple when read backwards.
+            Self::PurpleOrange => of(colorous::PURPLE_ORANGE, if x.is_nan() { 0.5 } else { rising }),
+        }
+    }
+}
 
 /// Ends of the map, (M, s, h).
 const BLUE: [f64; 3] = [80.0, 1.08, -1.1];
@@ -20,11 +79,9 @@ pub(super) fn diverging(x: f64) -> [u8; 3] {
     srgb([m * s.cos(), m * s.sin() * h.cos(), m * s.sin() * h.sin()])
 }
 
-/// A map from dark to bright at `x` in [0, 1], as 8-bit sRGB; even in lightness and told apart by colour-blind readers: viridis
-/// (van der Walt and Smith 2015). NaN is its dark end.
+/// The colour of the reports for P at `x` in [0, 1].
 pub(super) fn sequential(x: f64) -> [u8; 3] {
-    let color = colorous::VIRIDIS.eval_continuous(if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) });
-    [color.r, color.g, color.b]
+    ColorMap::Viridis.color(x)
 }
 
 /// CIELAB (white point D65) to 8-bit sRGB (IEC 61966-2-1).
@@ -53,6 +110,30 @@ mod tests {
         for (x, expected) in [(0.0, [59, 76, 192]), (0.5, [221, 221, 221]), (1.0, [180, 4, 38])] {
             let found = diverging(x);
             assert!(found.iter().zip(expected).all(|(&a, b): (&u8, u8)| a.abs_diff(b) <= 2), "{x}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn maps_are_even_in_lightness_and_part_in_the_middle() {
+        // Rec. 709 luma stands for lightness: enough to see an order.
+        let light = |map: ColorMap, x: f64| {
+            let [r, g, b] = map.color(x).map(f64::from);
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        let steps = |from: f64, to: f64| (0..=16).map(move |k| from + (to - from) * f64::from(k) / 16.0);
+        for map in ColorMap::SEQUENTIAL {
+            let l: Vec<f64> = steps(0.0, 1.0).map(|x| light(map, x)).collect();
+            assert!(l.windows(2).all(|w| w[0] < w[1]), "{map:?}: {l:?}");
+            assert_eq!(map.color(f64::NAN), map.color(0.0));
+        }
+        for map in ColorMap::DIVERGING {
+            for end in [0.0, 1.0] {
+                let l: Vec<f64> = steps(end, 0.5).map(|x| light(map, x)).collect();
+                assert!(l.windows(2).all(|w| w[0] < w[1]), "{map:?}: {l:?}");
+            }
+            assert_eq!(map.color(f64::NAN), map.color(0.5));
+            let ([r0, _, b0], [r1, _, b1]) = (map.color(0.1), map.color(0.9));
+            assert!(b0 > r0 && r1 > b1, "{map:?}: below 1 is bluish, above reddish");
         }
     }
 }

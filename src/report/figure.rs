@@ -406,7 +406,7 @@ pub(super) fn ticks(range: &Range<f64>, target: u32) -> Vec<(f64, String)> {
 }
 
 /// Decades of a logarithmic range, and 2 and 5 of each where there are few.
-fn log_ticks(range: &Range<f64>) -> Vec<(f64, String)> {
+pub(super) fn log_ticks(range: &Range<f64>) -> Vec<(f64, String)> {
     let (lo, hi) = (range.start.log10(), range.end.log10());
     let multiples: &[f64] = if hi - lo < 3.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
     let decades = lo.floor() as i32..=hi.ceil() as i32;

@@ -8,7 +8,7 @@ use super::color_map::{diverging, sequential};
 use super::covariance_image::CovarianceImage;
 use super::plots::{kernel_name, packing_symbol, size};
 use super::points_picture;
-use super::spectrum_image::{SpectrumImage, TONE_MAP};
+use super::spectrum_image::{SpectrumImage, tone_text};
 use super::spectrum_numbers;
 use super::text::{escape, human, with_error};
 use super::vector_image::VectorImage;
@@ -371,8 +371,11 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
             image.height,
             color_bar(&image.ticks)
         );
-        let caption =
-            format!("{definition} on the frequency grid: {}. Tone map: {}.", escape(&image.caption), escape(TONE_MAP));
+        let caption = format!(
+            "{definition} on the frequency grid: {}. Tone map: {}.",
+            escape(&image.caption),
+            escape(&tone_text())
+        );
         figure(html, &picture, &caption);
     }
     if let (Some(image), Some(covariance)) = (&pictures.covariance, &a.covariance) {

@@ -9,17 +9,30 @@ mod figure;
 mod headline;
 mod html;
 mod npy;
+pub mod overlays;
+mod panel;
+mod picture_figure;
+mod pixels;
 mod plots;
 mod points_picture;
+mod readout;
 mod spectrum_image;
 mod spectrum_numbers;
 mod spectrum_plots;
 mod summary;
 mod table;
 mod text;
+mod tone_map;
+mod units;
 mod vector_image;
 
+pub use color_map::ColorMap;
 pub use headline::headline;
+pub use panel::Panel;
+pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};
+pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
+pub use tone_map::ToneMap;
+pub use units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
 
 use std::fs;
 use std::io;
@@ -204,24 +217,26 @@ fn existing_part(dir: &Path) -> PathBuf {
 /// Writes every file into `dir`, in the order of `FILES`; stops at the first that fails.
 fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)> {
     let mut files = Written { dir, done: Vec::new() };
-    files.add("pcf.csv", table::pcf(analysis).map(|t| t.csv()));
+    files.add("pcf.csv", Panel::Pcf.table(analysis).map(|t| t.csv()));
     files.add("pcf_cross.csv", table::cross(analysis).map(|t| t.csv()));
     files.add("k_function.csv", table::k_function(analysis).map(|t| t.csv()));
     files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
-    files.add("spectrum_radial.csv", table::radial(analysis).map(|t| t.csv()));
-    files.add("spectrum_list.csv", table::spectrum_list(analysis).map(|t| t.csv()));
+    files.add("spectrum_radial.csv", Panel::Radial.table(analysis).map(|t| t.csv()));
+    files.add("spectrum_list.csv", Panel::Spectrum.table(analysis).map(|t| t.csv()));
     files.add("spectrum_axes.csv", table::axes(analysis).map(|t| t.csv()));
     files.add("spectrum_angular.csv", table::sectors(analysis).map(|t| t.csv()));
     files.add("spectrum_from_pcf.csv", table::spectrum_from_pcf(analysis).map(|t| t.csv()));
     files.add("pcf_from_spectrum.csv", table::pcf_from_spectrum(analysis).map(|t| t.csv()));
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
+    if let Some(write) = Panel::Spectrum.array(analysis) {
+        files.stream("spectrum.npy", |file| write(file));
+    }
     let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
     if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {
-        let lacks_last = analysis.convention.lacks_last_plane();
-        files.stream("spectrum.npy", |file| npy::grid(grid, &spectrum.p, lacks_last, file));
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
         if analysis.shape.realizations >= 2 {
+            let lacks_last = analysis.convention.lacks_last_plane();
             files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, lacks_last, file));
         }
     }
@@ -232,34 +247,34 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             files.stream("covariance_se.npy", |file| npy::matrix(modes, c_se.iter().copied(), file));
         }
     }
+    if let Some(write) = Panel::Vector.array(analysis) {
+        files.stream("pcf_vector.npy", |file| write(file));
+    }
     if let Some(vector) = &analysis.vector {
-        files.stream("pcf_vector.npy", |file| npy::lags(&vector.grid, &vector.g, file));
         if analysis.shape.realizations >= 2 {
             files.stream("pcf_vector_se.npy", |file| npy::lags(&vector.grid, &vector.g_se, file));
         }
         files.stream("pcf_vector_counts.npy", |file| npy::lags(&vector.grid, &vector.count, file));
     }
     let mut pictures = html::Pictures {
-        pcf: files.picture("pcf.svg", plots::pcf(analysis)),
+        pcf: files.picture("pcf.svg", Panel::Pcf.curves(analysis)),
         cross: files.picture("pcf_cross.svg", plots::cross(analysis)),
         k_function: files.picture("k_function.svg", plots::k_function(analysis)),
         pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
-        spectrum_radial: files.picture("spectrum_radial.svg", plots::spectrum_radial(analysis)),
-        anisotropy: files.picture("anisotropy.svg", plots::anisotropy(analysis)),
+        spectrum_radial: files.picture("spectrum_radial.svg", Panel::Radial.curves(analysis)),
+        anisotropy: files.picture("anisotropy.svg", Panel::Anisotropy.curves(analysis)),
         spectrum_axes: files.picture("spectrum_axes.svg", spectrum_plots::axes(analysis)),
         spectrum_angular: files.picture("spectrum_angular.svg", spectrum_plots::angular(analysis)),
         neighbor_functions: files.picture("neighbor_functions.svg", plots::neighbor_functions(analysis)),
         ..Default::default()
     };
-    if let Some(spectrum) = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
-        match spectrum_image::render(spectrum, &analysis.domain, analysis.shape.mean_points) {
-            Ok(Some(image)) => {
-                files.add("spectrum.png", Some(Ok(&image.png)));
-                pictures.spectrum = Some(image);
-            }
-            Ok(None) => {}
-            Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+    match panel::spectrum_image(analysis) {
+        Ok(Some(image)) => {
+            files.add("spectrum.png", Some(Ok(&image.png)));
+            pictures.spectrum = Some(image);
         }
+        Ok(None) => {}
+        Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(e))),
     }
     if let Some(covariance) = &analysis.covariance {
         match covariance_image::render(covariance) {
@@ -270,17 +285,15 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             Err(e) => files.add("covariance.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
         }
     }
-    if let Some(vector) = &analysis.vector {
-        match vector_image::render(vector) {
-            Ok(Some(image)) => {
-                files.add("pcf_vector.png", Some(Ok(&image.png)));
-                pictures.pcf_vector = Some(image);
-            }
-            Ok(None) => {}
-            Err(e) => files.add("pcf_vector.png", Some(Err::<&[u8], _>(io::Error::other(e)))),
+    match panel::vector_image(analysis) {
+        Ok(Some(image)) => {
+            files.add("pcf_vector.png", Some(Ok(&image.png)));
+            pictures.pcf_vector = Some(image);
         }
+        Ok(None) => {}
+        Err(e) => files.add("pcf_vector.png", Some(Err::<&[u8], _>(e))),
     }
-    pictures.points = files.picture("points.svg", Some(points_picture::svg(analysis)));
+    pictures.points = files.picture("points.svg", Panel::Points.curves(analysis));
     files.add("report.html", Some(Ok(html::page(analysis, &pictures))));
     let names = files.done.iter().map(|f| f.0).chain([SUMMARY]).collect();
     files.add(SUMMARY, Some(summary::json(analysis, names).map_err(io::Error::other)));

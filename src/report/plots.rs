@@ -6,6 +6,7 @@ use super::figure::{
     BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, PURPLE, SKY, TopAxis, VERMILION, band_runs, runs, sub,
 };
 use super::text::{escape, human, shortened};
+use super::units::FrequencyUnit;
 use crate::analysis::Analysis;
 use crate::estimate::{Envelope, ErrorSource, Normalization, SectorCorrelation};
 use crate::plan::{Convention, SmoothingKernel};
@@ -435,15 +436,9 @@ pub(super) fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
     if analysis.convention != Convention::Ours {
         return None;
     }
-    let d = analysis.domain.dim();
-    let measure = analysis.domain.measure();
-    let nu = (analysis.shape.mean_points / measure).powf(1.0 / d as f64);
-    let base = if measure == 1.0 { "n" } else { "λ" };
-    let symbol = match d {
-        1 => base.into(),
-        2 => format!("√{base}"),
-        _ => format!("∛{base}"),
-    };
+    let unit = FrequencyUnit::SqrtN;
+    let nu = unit.size(&analysis.domain, analysis.shape.mean_points);
+    let symbol = unit.symbol(&analysis.domain);
     (nu > 0.0 && nu < end).then(|| Layer::Hint { x: nu, label: format!("{symbol} = {}", human(nu)) })
 }
 

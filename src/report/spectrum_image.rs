@@ -2,12 +2,15 @@
 
 use super::color_map::sequential;
 use super::text::human;
+use super::tone_map::ToneMap;
 use crate::estimate::PowerSpectrum;
+use crate::plan::WaveGrid;
 use crate::points::Domain;
 
 /// What a colour means, in words; the same text is in the file and in the page.
-pub(super) const TONE_MAP: &str = "v = P (1 + P / n^2) / (1 + P) (Reinhard et al. 2002, eq. 4): P = 0 lowest, P = 1 in the middle, P = n highest; \
-     colour map: viridis, from dark blue through green to yellow";
+pub(super) fn tone_text() -> String {
+    format!("{}; colour map: viridis, from dark blue through green to yellow", ToneMap::Reinhard.definition())
+}
 
 /// A grid may be far larger than any screen; a picture shows at most `|m| <= HALF_SIDE` per axis, so that one mode stays
 /// at least one pixel and the page stays a few MB.
@@ -36,16 +39,6 @@ pub(super) struct SpectrumImage {
     pub(super) ticks: Vec<(f64, String)>,
 }
 
-/// Where `p` is between the ends of the colours, for `n` points.
-fn tone(p: f64, n: f64) -> f64 {
-    (p * (1.0 + p / (n * n)) / (1.0 + p)).clamp(0.0, 1.0)
-}
-
-fn ticks(n: f64) -> Vec<(f64, String)> {
-    let below = [0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0].into_iter().filter(|&p| p == 0.0 || p <= 0.4 * n);
-    below.map(|p| (tone(p, n), human(p))).chain([(1.0, format!("n = {}", human(n)))]).collect()
-}
-
 /// Pixels per mode along both axes: modes keep their shape in frequency per unit length, as far as whole pixels allow, and the
 /// picture is not too thin to be seen.
 fn pixels(modes: [u32; 2], sides: [f64; 2]) -> [u32; 2] {
@@ -62,6 +55,12 @@ fn pixels(modes: [u32; 2], sides: [f64; 2]) -> [u32; 2] {
     pixels.map(|p| p as u32)
 }
 
+/// The largest m_x and m_y that are shown.
+pub(super) fn middle(grid: &WaveGrid) -> [i32; 2] {
+    let [f0, f1, _] = grid.max_frequency();
+    [f0, f1].map(|f| f.min(HALF_SIDE) as i32)
+}
+
 /// `None` for a list, and in one dimension, where the radial curve already shows all. `n` is the number of points.
 pub(super) fn render(
     spectrum: &PowerSpectrum,
@@ -70,11 +69,12 @@ pub(super) fn render(
 ) -> Result<Option<SpectrumImage>, png::EncodingError> {
     let Some(grid) = spectrum.waves.grid().filter(|grid| grid.dim() >= 2) else { return Ok(None) };
     let [f0, f1, _] = grid.max_frequency();
-    let (h0, h1) = (f0.min(HALF_SIDE) as i32, f1.min(HALF_SIDE) as i32);
+    let [h0, h1] = middle(grid);
     let (columns, rows) = (2 * h0 as u32 + 1, 2 * h1 as u32 + 1);
     let [dx, dy] = pixels([columns, rows], [domain.sides()[0], domain.sides()[1]]);
     let (width, height) = (columns * dx, rows * dy);
 
+    let tone = |p: f64| ToneMap::Reinhard.tone(p, n);
     let p = |m0: i32, m1: i32| spectrum.p[grid.half_index([m0, m1, 0])];
     let modes = || (-h1..=h1).rev().flat_map(|m1| (-h0..=h0).map(move |m0| (m0, m1)));
     let mut tones = vec![0.0; (width * height) as usize];
@@ -88,10 +88,10 @@ pub(super) fn render(
     let mut peaks = Vec::new();
     for (m0, m1) in modes() {
         let (x, y) = ((m0 + h0) as u32 * dx, (h1 - m1) as u32 * dy);
-        fill(x..x + dx, y..y + dy, tone(p(m0, m1), n));
+        fill(x..x + dx, y..y + dy, tone(p(m0, m1)));
         // Far above what one realization of a structure without peaks shows.
         if p(m0, m1) > n.sqrt().max(32.0) && (m0, m1) != (0, 0) {
-            peaks.push((x + dx / 2, y + dy / 2, tone(p(m0, m1), n)));
+            peaks.push((x + dx / 2, y + dy / 2, tone(p(m0, m1))));
         }
     }
     // As large as leaves most of the picture to the rest.
@@ -122,8 +122,8 @@ pub(super) fn render(
         let wide = 2 * reach + 1;
         caption.push_str(&format!(", peaks above P = {} at least {wide} pixels wide", human(n.sqrt().max(32.0))));
     }
-    let png = encode(&image, [width, height], "Power spectrum P(m)", &format!("{caption}. Tone map: {TONE_MAP}"))?;
-    Ok(Some(SpectrumImage { png, width, height, caption, ticks: ticks(n) }))
+    let png = encode(&image, [width, height], "Power spectrum P(m)", &format!("{caption}. Tone map: {}", tone_text()))?;
+    Ok(Some(SpectrumImage { png, width, height, caption, ticks: ToneMap::Reinhard.ticks(n) }))
 }
 
 /// An RGB picture with its title and description, which are in ASCII.
@@ -149,16 +149,6 @@ pub(super) fn encode(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn tones_are_monotone_with_1_in_the_middle() {
-        for n in [2.0, 100.0, 1e6] {
-            let p: Vec<f64> = (0..=1000).map(|k| n * (f64::from(k) / 1000.0).powi(3)).collect();
-            assert!(p.windows(2).all(|w| tone(w[0], n) < tone(w[1], n)), "n = {n}");
-            assert!(tone(0.0, n) == 0.0 && (tone(n, n) - 1.0).abs() < 1e-12 && tone(f64::NAN, n).is_nan());
-        }
-        assert!((tone(1.0, 1000.0) - 0.5).abs() < 1e-5);
-    }
 
     #[test]
     fn unequal_grids_are_neither_thin_nor_huge() {

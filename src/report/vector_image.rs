@@ -3,6 +3,7 @@
 use super::color_map::diverging;
 use super::spectrum_image::encode;
 use crate::estimate::VectorCorrelation;
+use crate::plan::LagGrid;
 
 /// Pixels a panel is magnified towards, by a whole factor.
 const TARGET: f64 = 640.0;
@@ -32,7 +33,7 @@ pub(super) fn range(vector: &VectorCorrelation) -> [f64; 2] {
 }
 
 /// Axes to the right and upward of each panel.
-fn panels(dim: usize) -> &'static [[usize; 2]] {
+pub(super) fn panels(dim: usize) -> &'static [[usize; 2]] {
     match dim {
         1 => &[],
         2 => &[[0, 1]],
@@ -96,13 +97,18 @@ fn scale_text([low, high]: [f64; 2]) -> String {
 
 /// g in a plane of the grid; in 3D the mean over the bins of the third axis that touch lag 0, whose expected counts are
 /// equal, so that it is the ratio of their sums.
-fn slice(vector: &VectorCorrelation, [right, up]: [usize; 2], [x, y]: [usize; 2]) -> f64 {
-    let grid = &vector.grid;
+pub(super) fn slice(vector: &VectorCorrelation, axes: [usize; 2], place: [usize; 2]) -> f64 {
+    let [a, b] = slice_cells(&vector.grid, axes, place);
+    0.5 * (vector.g[a] + vector.g[b])
+}
+
+/// The cells of `slice`; twice the same where there is only one.
+pub(super) fn slice_cells(grid: &LagGrid, [right, up]: [usize; 2], [x, y]: [usize; 2]) -> [usize; 2] {
     let strides = grid.strides();
     let cell = x * strides[right] + y * strides[up];
     if grid.dim() == 2 {
-        return vector.g[cell];
+        return [cell; 2];
     }
     let depth = strides[3 - right - up];
-    0.5 * (vector.g[cell + (grid.bins - 1) / 2 * depth] + vector.g[cell + grid.bins / 2 * depth])
+    [cell + (grid.bins - 1) / 2 * depth, cell + grid.bins / 2 * depth]
 }

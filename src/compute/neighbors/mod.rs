@@ -49,6 +49,12 @@ pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control
     )
 }
 
+/// Per point of realization `k`, the index of the nearest other point (minimum image on a torus); `None` for a lone point. Of
+/// several at the same distance the one with the lowest index, unless points coincide.
+pub fn nearest_neighbors(ensemble: &Ensemble, k: usize, control: &Control) -> Result<Vec<Option<usize>>> {
+    search::partners(ensemble.domain(), &ensemble.lengths(k), control)
+}
+
 fn bonds(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<std::result::Result<Bonds, &'static str>> {
     if plan.bonds { bonds::bonds(axes, &plan.domain, control) } else { Ok(Err("not asked for")) }
 }

@@ -44,11 +44,33 @@ impl Nearest {
             if i.is_multiple_of(CHUNK) {
                 control.check()?;
             }
-            Ok(search.nearest_square(&probe(i)))
+            Ok(search.nearest(&probe(i)).square)
         });
-        Ok(Self { of_points: search.of_points(axes[0].len(), control)?, of_probes: probes.collect::<Result<_>>()? })
+        let of_points = search.of_points(axes[0].len(), control)?.into_iter().map(|near| near.square).collect();
+        Ok(Self { of_points, of_probes: probes.collect::<Result<_>>()? })
     }
 }
+
+/// Per point of a realization, the index of the nearest other; `None` for a lone point. Of several at the same distance the
+/// one with the lowest index, unless points coincide.
+pub(super) fn partners(domain: &Domain, axes: &[&[u64]], control: &Control) -> Result<Vec<Option<usize>>> {
+    let of_points = match axes {
+        [x] => Search::<1>::new(axes, domain).of_points(x.len(), control),
+        [x, _] => Search::<2>::new(axes, domain).of_points(x.len(), control),
+        _ => Search::<3>::new(axes, domain).of_points(axes[0].len(), control),
+    }?;
+    Ok(of_points.into_iter().map(|near| (near.index != NOBODY).then_some(near.index)).collect())
+}
+
+/// The nearest point: its exact squared distance, then its index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Near {
+    square: u128,
+    index: usize,
+}
+
+/// No point at all.
+const NONE: Near = Near { square: u128::MAX, index: NOBODY };
 
 /// The index of a site that is none of the points.
 const NOBODY: usize = usize::MAX;
@@ -71,8 +93,8 @@ where
 {
     periods: [u64; 3],
     is_torus: bool,
-    /// Points that coincide with another.
-    coincident: Vec<usize>,
+    /// Points that coincide: the one in the tree, and the other.
+    coincident: Vec<[usize; 2]>,
     /// Every place once: a tree cannot tell equal points apart, and a test point would meet all of them.
     tree: KdTreeN<Site<D>, <[f64; D] as KdPoint>::Dim>,
 }
@@ -90,7 +112,7 @@ where
         sites.dedup_by(|site, kept| {
             let same = site.steps == kept.steps;
             if same {
-                coincident.extend([kept.index, site.index]);
+                coincident.push([kept.index, site.index]);
             }
             same
         });
@@ -102,23 +124,26 @@ where
         }
     }
 
-    fn of_points(&self, n: usize, control: &Control) -> Result<Vec<u128>> {
+    fn of_points(&self, n: usize, control: &Control) -> Result<Vec<Near>> {
         // Searched in the order of the tree, where queries that follow one another walk the same nodes.
-        let parts: Vec<Vec<u128>> = self
+        let parts: Vec<Vec<Near>> = self
             .tree
             .items()
             .par_chunks(CHUNK)
             .map(|sites| {
                 control.check()?;
-                Ok(sites.iter().map(|site| self.nearest_square(site)).collect())
+                Ok(sites.iter().map(|site| self.nearest(site)).collect())
             })
             .collect::<Result<_>>()?;
-        let mut squares = vec![0; n];
-        for (site, square) in self.tree.items().iter().zip(parts.into_iter().flatten()) {
-            squares[site.index] = square;
+        let mut nearest = vec![NONE; n];
+        for (site, near) in self.tree.items().iter().zip(parts.into_iter().flatten()) {
+            nearest[site.index] = near;
         }
-        self.coincident.iter().for_each(|&i| squares[i] = 0);
-        Ok(squares)
+        for &[a, b] in &self.coincident {
+            nearest[a] = Near { square: 0, index: b };
+            nearest[b] = Near { square: 0, index: a };
+        }
+        Ok(nearest)
     }
 
     /// As `compute::reference::squared_distance`.
@@ -128,14 +153,14 @@ where
     }
 
     /// From `site` to the nearest point that is not itself.
-    fn nearest_square(&self, site: &Site<D>) -> u128 {
-        let exact = |item: &Site<D>| self.square(site, item);
+    fn nearest(&self, site: &Site<D>) -> Near {
+        let exact = |item: &Site<D>| Near { square: self.square(site, item), index: item.index };
         let others =
             |items: &mut dyn Iterator<Item = &Site<D>>| items.filter(|item| item.index != site.index).map(exact).min();
         // Fewer points than this are compared all with all: no slower, and `KdSliceN::nearests` finds one point instead of
         // two in a tree of two.
         if self.tree.items().len() < 16 {
-            return others(&mut self.tree.items().iter()).unwrap_or(u128::MAX);
+            return others(&mut self.tree.items().iter()).unwrap_or(NONE);
         }
         // One of the two nearest to a point is the point itself.
         let wanted = if site.index == NOBODY { 1 } else { 2 };
@@ -149,18 +174,18 @@ where
             let found = self.tree.nearests_by(&[0.0; D], wanted, offset);
             others(&mut found.into_iter().map(|f| f.item))
         };
-        let mut best = propose([0; D], f64::INFINITY).unwrap_or(u128::MAX);
-        if best == 0 {
-            return 0;
+        let mut best = propose([0; D], f64::INFINITY).unwrap_or(NONE);
+        if best.square == 0 {
+            return best;
         }
-        for image in self.images_within(site, best) {
-            let reach = (best as f64).sqrt() * (1.0 + 1e-14);
-            best = propose(image, reach).map_or(best, |square| square.min(best));
+        for image in self.images_within(site, best.square) {
+            let reach = (best.square as f64).sqrt() * (1.0 + 1e-14);
+            best = propose(image, reach).map_or(best, |near| near.min(best));
         }
         // The proposals are nearest up to the rounding of f64, some 1e-15 of the squared distance: enough to confuse the
         // neighbours of a lattice. The exact minimum is among the points that close.
-        let radius = (best as f64).sqrt() * (1.0 + 1e-14);
-        for image in std::iter::once([0; D]).chain(self.images_within(site, best)) {
+        let radius = (best.square as f64).sqrt() * (1.0 + 1e-14);
+        for image in std::iter::once([0; D]).chain(self.images_within(site, best.square)) {
             let close = self.tree.within_by_cmp(|item, a| match self.offset(item, site, image, a) {
                 offset if offset < -radius => Ordering::Less,
                 offset if offset > radius => Ordering::Greater,

@@ -96,6 +96,19 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
     }
 }
 
+/// One realization as the text of a `.csv` file, as `write` writes it.
+pub fn csv(set: &RawPoints) -> Result<Vec<u8>> {
+    check(set, set.dim)?;
+    let mut bytes = Vec::new();
+    let mut format = text::Text::new(&mut bytes, text::Style::Csv);
+    let written = format.add(0, set).and_then(|()| Ok(format.finish()?));
+    match written {
+        Ok(()) => Ok(bytes),
+        Err(Refusal::Format(reason)) => Err(Error::input(&set.source, reason)),
+        Err(Refusal::Disk(error)) => Err(Error::file(&set.source, error)),
+    }
+}
+
 fn exists(path: &Path) -> Error {
     Error::setting("--out", path.display(), "exists already; --force replaces it")
 }

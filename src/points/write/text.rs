@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{Format, Output, Refusal};
+use super::{Format, Refusal};
 use crate::points::RawPoints;
 
 pub(super) enum Style {
@@ -10,18 +10,18 @@ pub(super) enum Style {
     Blanks,
 }
 
-pub(super) struct Text<'a> {
-    output: Output<'a>,
+pub(super) struct Text<W> {
+    output: W,
     style: Style,
 }
 
-impl<'a> Text<'a> {
-    pub(super) fn new(output: Output<'a>, style: Style) -> Self {
+impl<W: Write> Text<W> {
+    pub(super) fn new(output: W, style: Style) -> Self {
         Self { output, style }
     }
 }
 
-impl Format for Text<'_> {
+impl<W: Write> Format for Text<W> {
     fn add(&mut self, k: u64, set: &RawPoints) -> Result<(), Refusal> {
         if set.is_empty() {
             let reason =

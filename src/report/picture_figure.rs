@@ -1,0 +1,169 @@
+//! Pictures of grids as figures: with axes, a caption and a colour bar around them.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use plotters::prelude::*;
+
+use super::color_map::ColorMap;
+use super::figure::{WIDTH, fine, frame, heading, label, picture, thin, ticks};
+use super::panel::spectrum_image;
+use super::pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};
+use super::plots::{Svg, size};
+use super::spectrum_image::{encode, tone_text};
+use super::text::escape;
+use super::tone_map::ToneMap;
+use crate::analysis::Analysis;
+
+const TOP: f64 = 92.0;
+const LEFT: f64 = 84.0;
+/// Where the last picture ends; the colour bar is to the right.
+const RIGHT: f64 = 770.0;
+/// Between pictures: room for ticks and a label.
+const GAP: f64 = 84.0;
+/// No picture is higher than this, nor thinner than this part of its longer side.
+const HIGHEST: f64 = 640.0;
+const THINNEST: f64 = 0.25;
+const BAR: [f64; 2] = [798.0, 14.0];
+/// Characters per line of the caption.
+const LINE: usize = 118;
+
+/// A picture in its frame.
+struct Inset {
+    png: Vec<u8>,
+    extent: [[f64; 2]; 2],
+    labels: [String; 2],
+}
+
+/// `spectrum.png` with axes in cycles per unit length.
+pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
+    let image = match spectrum_image(analysis) {
+        Ok(image) => image?,
+        Err(e) => return Some(Err(e.into())),
+    };
+    let Pixels { extent, axes, .. } = spectrum_pixels(analysis, ToneMap::Reinhard, ColorMap::Viridis)?;
+    let labels = axes.map(|axis| format!("ν_{} (cycles per unit length)", ["x", "y", "z"][axis]));
+    let caption = format!("P(m): {}. Tone map: {}.", image.caption, tone_text());
+    let insets = [Inset { png: image.png, extent, labels }];
+    Some(svg("Power spectrum P(m)", analysis, &caption, &insets, ColorMap::Viridis, "P", &image.ticks))
+}
+
+/// g on each plane of lags, with axes in length units.
+pub(super) fn vector(analysis: &Analysis) -> Option<Svg> {
+    let ticks = vector_ticks(analysis, None)?;
+    let mut insets = Vec::new();
+    for pixels in (0..).map_while(|plane| vector_pixels(analysis, None, ColorMap::BlueRed, plane)) {
+        let labels = pixels.axes.map(|axis| format!("h_{} (length units)", ["x", "y", "z"][axis]));
+        match encode(&pixels.rgb, [pixels.width as u32, pixels.height as u32], "g(h)", "one pixel per cell of lags") {
+            Ok(png) => insets.push(Inset { png, extent: pixels.extent, labels }),
+            Err(e) => return Some(Err(e.into())),
+        }
+    }
+    let caption = "g(h) by cells of lags, lag 0 at the centre; white is g = 1 (Moreland 2009).";
+    (!insets.is_empty())
+        .then(|| svg("Pair correlation function g(h)", analysis, caption, &insets, ColorMap::BlueRed, "g", &ticks))
+}
+
+fn svg(
+    title: &str,
+    analysis: &Analysis,
+    caption: &str,
+    insets: &[Inset],
+    colors: ColorMap,
+    quantity: &str,
+    bar: &[(f64, String)],
+) -> Svg {
+    let count = insets.len() as f64;
+    let room = (RIGHT - LEFT - GAP * (count - 1.0)) / count;
+    // The same length unit for all.
+    let span = |inset: &Inset, axis: usize| inset.extent[axis][1] - inset.extent[axis][0];
+    let widest = insets.iter().map(|i| span(i, 0)).fold(0.0, f64::max);
+    let tallest = insets.iter().map(|i| span(i, 1)).fold(0.0, f64::max);
+    let px = (room / widest).min(HIGHEST / tallest);
+    let sizes = insets.iter().map(|inset| {
+        let [w, h] = [0, 1].map(|axis| span(inset, axis) * px);
+        [w.max(THINNEST * h.min(room)), h.max(THINNEST * w.min(HIGHEST))]
+    });
+    let sizes: Vec<[f64; 2]> = sizes.collect();
+    let highest = sizes.iter().map(|s| s[1]).fold(0.0, f64::max);
+    let bar_height = highest.max(180.0);
+    let lines = wrapped(caption);
+    let foot = TOP + bar_height.max(highest) + 74.0;
+    let height = foot + 18.0 * lines.len() as f64;
+
+    let mut overlay = heading(title, &analysis.subject, &size(analysis));
+    let (mut frames, mut marks) = (Vec::new(), Vec::new());
+    let mut left = LEFT;
+    for (inset, [width, height]) in insets.iter().zip(sizes) {
+        embed(&mut overlay, &inset.png, [left, TOP, width, height]);
+        frames.push(((left, TOP), (left + width, TOP + height)));
+        for (t, text) in axis_ticks(inset.extent[0], width) {
+            let x = left + (t - inset.extent[0][0]) / span(inset, 0) * width;
+            label(&mut overlay, x, TOP + height + 20.0, "middle", &text);
+            marks.push([(x, TOP + height), (x, TOP + height + 5.0)]);
+        }
+        for (t, text) in axis_ticks(inset.extent[1], height) {
+            let y = TOP + (inset.extent[1][1] - t) / span(inset, 1) * height;
+            label(&mut overlay, left - 9.0, y + 4.5, "end", &text);
+            marks.push([(left - 5.0, y), (left, y)]);
+        }
+        label(&mut overlay, left + 0.5 * width, TOP + height + 42.0, "middle", &escape(&inset.labels[0]));
+        let (x, y) = (left - 54.0, TOP + 0.5 * height);
+        let _ = writeln!(overlay, r#"<g transform="translate({x:.1} {y:.1}) rotate(-90)">"#);
+        label(&mut overlay, 0.0, 0.0, "middle", &escape(&inset.labels[1]));
+        overlay.push_str("</g>\n");
+        left += width + GAP;
+    }
+    let [bar_left, bar_width] = BAR;
+    let stops: Vec<u8> = (0..256).rev().flat_map(|k| colors.color(f64::from(k) / 255.0)).collect();
+    embed(&mut overlay, &encode(&stops, [1, 256], "Colours", quantity)?, [bar_left, TOP, bar_width, bar_height]);
+    frames.push(((bar_left, TOP), (bar_left + bar_width, TOP + bar_height)));
+    for (at, text) in bar {
+        let y = TOP + (1.0 - at) * bar_height;
+        label(&mut overlay, bar_left + bar_width + 9.0, y + 4.5, "start", &escape(text));
+        marks.push([(bar_left + bar_width, y), (bar_left + bar_width + 5.0, y)]);
+    }
+    label(&mut overlay, bar_left, TOP - 11.0, "start", quantity);
+    for (k, line) in lines.iter().enumerate() {
+        label(&mut overlay, LEFT, foot + 18.0 * k as f64, "start", &escape(line));
+    }
+    let description = escape(&format!("{title}. {}. {}", analysis.subject, size(analysis)));
+    picture((WIDTH, height.ceil() as u32), &description, &overlay, |root| {
+        for (from, to) in frames {
+            root.draw(&frame(from, to))?;
+        }
+        for mark in marks {
+            root.draw(&PathElement::new(mark.map(|(x, y)| (fine(x), fine(y))), thin()))?;
+        }
+        Ok(())
+    })
+}
+
+/// As many round numbers as have room.
+fn axis_ticks([low, high]: [f64; 2], length: f64) -> Vec<(f64, String)> {
+    ticks(&(low..high), ((length / 70.0) as u32).clamp(2, 8))
+}
+
+fn embed(overlay: &mut String, png: &[u8], [x, y, width, height]: [f64; 4]) {
+    let data = base64::engine::general_purpose::STANDARD.encode(png);
+    let _ = writeln!(
+        overlay,
+        r#"<image x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" preserveAspectRatio="none" style="image-rendering: pixelated" href="data:image/png;base64,{data}"/>"#
+    );
+}
+
+/// Lines of whole words.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= LINE => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.into()),
+        }
+    }
+    lines
+}
