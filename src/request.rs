@@ -1,8 +1,13 @@
-//! What is asked for: one struct that the command line parses and the viewer edits. `analysis` turns it into plans.
+//! What is asked for: one struct that the command line parses and the viewer edits, and the way back to a command line.
+//! `analysis` turns it into plans.
 
 use std::path::PathBuf;
 
+use clap::{Args, Parser};
+use serde_json::{Map, Value};
+
 use crate::compute::DeviceChoice;
+use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
 use crate::points::Boundary;
@@ -33,6 +38,7 @@ pub enum Statistic {
 pub struct PointsRequest {
     /// Point files or directories, one batch; `-` is stdin
     #[arg(value_name = "FILES", conflicts_with = "sampler")]
+    #[serde(serialize_with = "as_text")]
     pub files: Vec<PathBuf>,
 
     /// Generate the points instead; `pairwave samplers` lists the names
@@ -61,7 +67,6 @@ pub struct PointsRequest {
 
     /// Read files as raw little-endian numbers, e.g. f32x2
     #[arg(long, value_name = "TYPExD", conflicts_with = "sampler")]
-    #[serde(serialize_with = "as_typed")]
     pub raw: Option<RawLayout>,
 
     /// The column that holds the weight of each point, by its name or its number from 1
@@ -96,7 +101,7 @@ pub struct PointsRequest {
 }
 
 /// What to measure, and how.
-#[derive(Debug, Clone, clap::Args, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, clap::Args, serde::Serialize)]
 pub struct Request {
     /// The points.
     #[command(flatten)]
@@ -121,6 +126,7 @@ pub struct Request {
 
     /// Bin edges, one number per line or separated by blanks or commas
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "as_text")]
     pub edges: Option<PathBuf>,
 
     /// Also smooth g with this kernel
@@ -177,6 +183,7 @@ pub struct Request {
 
     /// Wave vectors, one per line: integers m on a torus; cycles per unit length in a window
     #[arg(long, value_name = "FILE", conflicts_with = "max_frequency")]
+    #[serde(serialize_with = "as_text")]
     pub frequencies: Option<PathBuf>,
 
     /// For --stats radial: at most N wave vectors per ring, evenly spread over directions [default: all]
@@ -224,27 +231,122 @@ pub struct Request {
     pub threads: Option<usize>,
 }
 
-fn as_typed<S: serde::Serializer>(layout: &Option<RawLayout>, serializer: S) -> Result<S::Ok, S::Error> {
-    match layout {
-        Some(layout) => serializer.collect_str(layout),
-        None => serializer.serialize_none(),
+/// Paths as text; what is no Unicode in them becomes U+FFFD.
+fn as_text<P, S: serde::Serializer>(paths: &P, serializer: S) -> Result<S::Ok, S::Error>
+where
+    for<'a> &'a P: IntoIterator<Item = &'a PathBuf>,
+{
+    serializer.collect_seq(paths.into_iter().map(|path| path.to_string_lossy()))
+}
+
+/// A request as a command of its own.
+#[derive(clap::Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Typed {
+    #[command(flatten)]
+    request: Request,
+}
+
+impl Default for Request {
+    /// What `pairwave analyze` measures when no flag is given.
+    fn default() -> Self {
+        Self::parse([]).expect("every setting has a default or may be left out")
     }
 }
 
 impl Request {
+    /// The request that these arguments of `pairwave analyze` make. Says what is wrong with them in one line.
+    pub fn parse(arguments: impl IntoIterator<Item = String>) -> Result<Self> {
+        let arguments: Vec<String> = arguments.into_iter().collect();
+        Typed::try_parse_from(&arguments).map(|typed| typed.request).map_err(|error| {
+            let text = error.render().to_string();
+            // The usage and the tips come after a blank line.
+            let what: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+            let what = what.join(" ");
+            Error::setting("pairwave analyze", shell_words(&arguments), what.trim_start_matches("error: "))
+        })
+    }
+
+    /// The shortest arguments of `pairwave analyze` that make this request: what has its default is left out, and files
+    /// come last.
+    pub fn arguments(&self) -> Vec<String> {
+        let (settings, defaults) = (self.settings(), Self::default().settings());
+        let command = Self::augment_args(clap::Command::new("analyze"));
+        let (mut flags, mut files) = (Vec::new(), Vec::new());
+        for argument in command.get_arguments() {
+            let name = argument.get_id().as_str();
+            let (Some(value), Some(default)) = (settings.get(name), defaults.get(name)) else { continue };
+            if value == default {
+                continue;
+            }
+            let mut values = texts(value);
+            if argument.is_positional() {
+                files = values;
+                continue;
+            }
+            if let Some(delimiter) = argument.get_value_delimiter() {
+                values = vec![values.join(delimiter.encode_utf8(&mut [0; 4]))];
+            }
+            let long = format!("--{}", argument.get_long().unwrap_or(name));
+            let flag = argument.get_short().map_or_else(|| long.clone(), |short| format!("-{short}"));
+            for value in values {
+                if !argument.get_action().takes_values() {
+                    flags.push(flag.clone());
+                } else if value.starts_with('-') {
+                    flags.push(format!("{long}={value}"));
+                } else {
+                    flags.extend([flag.clone(), value]);
+                }
+            }
+        }
+        if files.iter().any(|file| file.len() > 1 && file.starts_with('-')) {
+            flags.push("--".into());
+        }
+        flags.extend(files);
+        flags
+    }
+
+    /// The command that makes this request, as a shell takes it.
+    pub fn command(&self) -> String {
+        let arguments = self.arguments();
+        shell_words(["pairwave", "analyze"].into_iter().chain(arguments.iter().map(String::as_str)))
+    }
+
     /// The settings as (name, value), unset ones left out, in the order of the help.
     pub fn parameters(&self) -> Vec<(String, String)> {
-        let Ok(serde_json::Value::Object(map)) = serde_json::to_value(self) else { return Vec::new() };
-        let text = |value: &serde_json::Value| match value {
-            serde_json::Value::Null => None,
-            serde_json::Value::String(text) => Some(text.clone()),
-            serde_json::Value::Array(items) if items.is_empty() => None,
-            serde_json::Value::Array(items) => {
-                let items = items.iter().map(|i| i.as_str().map_or_else(|| i.to_string(), str::to_string));
-                Some(items.collect::<Vec<_>>().join(","))
-            }
-            other => Some(other.to_string()),
+        let named = |(name, value): (String, Value)| match texts(&value) {
+            texts if texts.is_empty() => None,
+            texts => Some((name.replace('_', "-"), texts.join(","))),
         };
-        map.iter().filter_map(|(name, value)| Some((name.replace('_', "-"), text(value)?))).collect()
+        self.settings().into_iter().filter_map(named).collect()
     }
+
+    /// Every setting under the name of its field, which is also its name in clap.
+    fn settings(&self) -> Map<String, Value> {
+        match serde_json::to_value(self) {
+            Ok(Value::Object(settings)) => settings,
+            _ => Map::new(),
+        }
+    }
+}
+
+/// A setting as typed: none where it is unset, several where it is a list.
+fn texts(value: &Value) -> Vec<String> {
+    match value {
+        Value::Null => Vec::new(),
+        Value::String(text) => vec![text.clone()],
+        Value::Array(items) => items.iter().flat_map(texts).collect(),
+        Value::Number(n) if n.is_f64() => n.as_f64().map(number).into_iter().collect(),
+        other => vec![other.to_string()],
+    }
+}
+
+/// Words of a command, quoted where a shell would need it.
+pub fn shell_words(words: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    let quoted = |word: &str| match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_string(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    };
+    words.into_iter().map(|word| quoted(word.as_ref())).collect::<Vec<_>>().join(" ")
 }

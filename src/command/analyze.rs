@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pairwave::analysis::{self, Plan};
 use pairwave::compute::cpu::check_threads;
-use pairwave::request::Request;
+use pairwave::request::{Request, shell_words};
 use pairwave::source::Source;
 use pairwave::{Result, report};
 
@@ -73,16 +73,8 @@ impl Analyze {
     }
 }
 
-/// What was typed, quoted where a shell would need it.
+/// What was typed.
 fn command_line() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
-    let quoted = std::env::args_os().skip(1).map(|argument| {
-        let text = argument.to_string_lossy();
-        if !text.is_empty() && text.chars().all(plain) {
-            text.into_owned()
-        } else {
-            format!("'{}'", text.replace('\'', "'\\''"))
-        }
-    });
-    std::iter::once("pairwave".to_string()).chain(quoted).collect::<Vec<_>>().join(" ")
+    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    shell_words(std::iter::once("pairwave".to_string()).chain(arguments))
 }

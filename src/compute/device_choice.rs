@@ -20,6 +20,7 @@ pub enum DeviceChoice {
     /// The slow truth.
     Reference,
     /// An adapter by its index.
+    #[serde(untagged)]
     Index(usize),
 }
 
