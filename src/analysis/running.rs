@@ -352,7 +352,11 @@ fn plan(request: &Request, source: &Source, compute: &dyn Compute) -> Result<Pla
         return Err(Error::setting("--bandwidth", "lscv", "needs all realizations at once: not while they come in"));
     }
     if plan.simulations > 0 {
-        return Err(Error::setting("--envelope", plan.simulations, "needs all realizations at once: not while they come in"));
+        return Err(Error::setting(
+            "--envelope",
+            plan.simulations,
+            "needs all realizations at once: not while they come in",
+        ));
     }
     Ok(plan)
 }
@@ -386,7 +390,8 @@ impl Track {
         }
         if let (Some(had), Some(wanted)) = (&kept.plan.waves, &plan.waves) {
             // More than is wanted, by the same roads.
-            let trimmed = Plan { waves: Some(WavePlan { rings_only: wanted.rings_only, ..had.clone() }), ..kept.plan.clone() };
+            let trimmed =
+                Plan { waves: Some(WavePlan { rings_only: wanted.rings_only, ..had.clone() }), ..kept.plan.clone() };
             let by = |n: u64| had.road(n as usize) == wanted.road(n as usize);
             let distinct: HashSet<u64> = sizes.iter().copied().collect();
             if wanted.rings_only && same_sums(&trimmed, plan) && distinct.into_iter().all(by) {
@@ -408,7 +413,15 @@ impl Track {
         finest.histograms.iter().for_each(|h| sums.add(&coarse(h, &edges)));
         // Integers may stand with the whole leaves though the last of them is not full.
         let whole = Sums { pairs: Some(sums), ..Sums::default() };
-        Some(Self { whole, finest: self.finest, done: self.done, kept: self.done, rebinned: true, each: self.each, ..new })
+        Some(Self {
+            whole,
+            finest: self.finest,
+            done: self.done,
+            kept: self.done,
+            rebinned: true,
+            each: self.each,
+            ..new
+        })
     }
 
     fn pair_counts(&self) -> Option<&PairCounts> {

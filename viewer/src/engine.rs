@@ -1,0 +1,162 @@
+//! What the worker does, without its thread: keeps a measurement per set, takes one step of one of them at a time.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use pairwave::analysis::{Analysis, Running, Status};
+use pairwave::compute::{Compute, Control, DeviceChoice};
+use pairwave::request::Request;
+use pairwave::{Error, Result};
+
+/// Estimates are made at most this often per set while sums come in: more often than anyone can see costs only time.
+const SHOW: Duration = Duration::from_millis(100);
+
+/// Which set a request is of.
+pub type SetId = u32;
+
+/// What is known of a set.
+#[derive(Debug, Clone)]
+pub struct Snapshot {
+    /// What was asked for when this was made.
+    pub request: Request,
+    /// Estimates of the realizations so far.
+    pub analysis: Option<Arc<Analysis>>,
+    /// How far it is, and what it was spared.
+    pub status: Option<Status>,
+    /// Whether all realizations are in.
+    pub done: bool,
+    /// Why it stopped, if it did.
+    pub error: Option<String>,
+    /// What computes, and why no GPU does.
+    pub device: String,
+    /// Counts the snapshots of all sets: pictures of an older one are stale.
+    pub generation: u64,
+}
+
+/// Measurements under way.
+#[derive(Default)]
+pub struct Engine {
+    jobs: BTreeMap<SetId, Job>,
+    devices: Vec<Device>,
+    /// The set that the last step was of.
+    last: SetId,
+    generation: u64,
+}
+
+struct Device {
+    of: (DeviceChoice, Option<usize>),
+    compute: Arc<dyn Compute>,
+    text: String,
+}
+
+struct Job {
+    request: Request,
+    /// Not planned yet.
+    changed: bool,
+    running: Option<Running>,
+    device: Option<(Arc<dyn Compute>, String)>,
+    shown: Option<Instant>,
+    /// Nothing is left to do, or it failed.
+    idle: bool,
+}
+
+impl Engine {
+    /// Asks for a set, or for other settings of it.
+    pub fn set(&mut self, id: SetId, request: Request) {
+        let job = self.jobs.entry(id).or_insert_with(|| Job {
+            request: request.clone(),
+            changed: true,
+            running: None,
+            device: None,
+            shown: None,
+            idle: false,
+        });
+        (job.request, job.changed, job.idle) = (request, true, false);
+    }
+
+    /// Forgets a set.
+    pub fn remove(&mut self, id: SetId) {
+        self.jobs.remove(&id);
+    }
+
+    /// Whether there is anything to do.
+    pub fn is_idle(&self) -> bool {
+        self.jobs.values().all(|job| job.idle)
+    }
+
+    /// The set whose turn it is.
+    pub fn next(&self) -> Option<SetId> {
+        let busy = || self.jobs.iter().filter(|(_, job)| !job.idle).map(|(&id, _)| id);
+        busy().find(|&id| id > self.last).or_else(|| busy().next())
+    }
+
+    /// One step of the set whose turn it is. What there is to show of it, when it is time to.
+    pub fn step(&mut self, control: &Control) -> Option<(SetId, Snapshot)> {
+        let id = self.next()?;
+        self.last = id;
+        let mut job = self.jobs.remove(&id)?;
+        let more = self.step_of(&mut job, control);
+        let ended = !matches!(more, Ok(true));
+        let cancelled = matches!(more, Err(Error::Cancelled));
+        job.idle = ended && !cancelled;
+        let due = job.shown.is_none_or(|at| at.elapsed() >= SHOW);
+        let snapshot = (!cancelled && (ended || due)).then(|| {
+            self.generation += 1;
+            job.shown = Some(Instant::now());
+            let running = job.running.as_ref();
+            Snapshot {
+                request: job.request.clone(),
+                analysis: running.and_then(Running::analysis).map(Arc::new),
+                status: running.map(Running::status),
+                done: matches!(more, Ok(false)),
+                error: more.as_ref().err().map(Error::to_string),
+                device: job.device.as_ref().map(|(_, text)| text.clone()).unwrap_or_default(),
+                generation: self.generation,
+            }
+        });
+        self.jobs.insert(id, job);
+        snapshot.map(|s| (id, s))
+    }
+
+    fn step_of(&mut self, job: &mut Job, control: &Control) -> Result<bool> {
+        if job.changed {
+            job.changed = false;
+            let (compute, text) = match self.device(&job.request) {
+                Ok(found) => found,
+                Err(error) => {
+                    job.running = None;
+                    return Err(error);
+                }
+            };
+            job.device = Some((compute.clone(), text));
+            let planned = match &mut job.running {
+                Some(running) => running.change(job.request.clone(), compute.as_ref()),
+                None => Running::new(job.request.clone(), compute.as_ref()).map(|new| job.running = Some(new)),
+            };
+            if let Err(error) = planned {
+                // What was measured under other settings is not what is asked for.
+                job.running = None;
+                return Err(error);
+            }
+        }
+        match (&mut job.running, &job.device) {
+            (Some(running), Some((compute, _))) => running.step(compute.as_ref(), control),
+            _ => Ok(false),
+        }
+    }
+
+    /// Devices are opened once.
+    fn device(&mut self, request: &Request) -> Result<(Arc<dyn Compute>, String)> {
+        let of = (request.device, request.threads);
+        if let Some(known) = self.devices.iter().find(|d| d.of == of) {
+            return Ok((known.compute.clone(), known.text.clone()));
+        }
+        let opened = request.device.open(request.threads)?;
+        let compute: Arc<dyn Compute> = opened.compute.into();
+        let name = compute.computed_by().device().to_string();
+        let text = opened.note.map_or(name.clone(), |note| format!("{name} ({note})"));
+        self.devices.push(Device { of, compute: compute.clone(), text: text.clone() });
+        Ok((compute, text))
+    }
+}

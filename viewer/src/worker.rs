@@ -1,0 +1,163 @@
+//! The engine on a thread of its own. The window never waits for it: it leaves what it wants, and picks up what there is.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use pairwave::compute::Control;
+use pairwave::request::Request;
+
+use crate::engine::{Engine, SetId, Snapshot};
+
+/// A handle to the thread; dropping it ends the thread within a step.
+pub struct Worker {
+    shared: Arc<Shared>,
+    #[cfg(not(target_arch = "wasm32"))]
+    thread: Option<std::thread::JoinHandle<()>>,
+    /// In a browser there is no thread: a step is taken whenever the window asks.
+    #[cfg(target_arch = "wasm32")]
+    engine: Engine,
+}
+
+struct Shared {
+    desk: Mutex<Desk>,
+    wake: Condvar,
+    notify: Box<dyn Fn() + Send + Sync>,
+}
+
+/// What lies between the window and the engine: the latest wish and the latest result of each set, never a queue of them.
+#[derive(Default)]
+struct Desk {
+    /// `None`: to be forgotten.
+    wishes: BTreeMap<SetId, Option<Request>>,
+    results: BTreeMap<SetId, Arc<Snapshot>>,
+    paused: bool,
+    stopped: bool,
+    /// Of the step under way, with its set.
+    step: Option<(SetId, Arc<Control>)>,
+}
+
+impl Shared {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Worker {
+    /// Starts it. `notify` is called, from its thread, when there is a new result.
+    pub fn new(notify: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared { desk: Mutex::default(), wake: Condvar::new(), notify: Box::new(notify) });
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let of_thread = shared.clone();
+            let thread = std::thread::Builder::new().name("pairwave worker".into()).spawn(move || run(&of_thread))?;
+            Ok(Self { shared, thread: Some(thread) })
+        }
+        #[cfg(target_arch = "wasm32")]
+        Ok(Self { shared, engine: Engine::default() })
+    }
+
+    /// Asks for a set, or for other settings of it; takes effect within a step.
+    pub fn set(&self, id: SetId, request: Request) {
+        self.wish(id, Some(request));
+    }
+
+    /// Forgets a set.
+    pub fn remove(&self, id: SetId) {
+        self.wish(id, None);
+        self.shared.desk().results.remove(&id);
+    }
+
+    fn wish(&self, id: SetId, wish: Option<Request>) {
+        let mut desk = self.shared.desk();
+        desk.wishes.insert(id, wish);
+        if let Some((_, control)) = desk.step.as_ref().filter(|(of, _)| *of == id) {
+            control.cancel();
+        }
+        self.shared.wake.notify_one();
+    }
+
+    /// Stops measuring until it is told to go on; a step under way is given up.
+    pub fn pause(&self, paused: bool) {
+        let mut desk = self.shared.desk();
+        desk.paused = paused;
+        if let Some((_, control)) = desk.step.as_ref().filter(|_| paused) {
+            control.cancel();
+        }
+        self.shared.wake.notify_one();
+    }
+
+    /// The latest of a set.
+    pub fn latest(&self, id: SetId) -> Option<Arc<Snapshot>> {
+        self.shared.desk().results.get(&id).cloned()
+    }
+
+    /// Where there is no thread, takes a step. To be called once per frame.
+    pub fn poll(&mut self) {
+        #[cfg(target_arch = "wasm32")]
+        turn(&self.shared, &mut self.engine);
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        let mut desk = self.shared.desk();
+        desk.stopped = true;
+        if let Some((_, control)) = &desk.step {
+            control.cancel();
+        }
+        drop(desk);
+        self.shared.wake.notify_one();
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(thread) = self.thread.take() {
+            // A panic there was reported there.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn run(shared: &Shared) {
+    let mut engine = Engine::default();
+    loop {
+        let desk = shared.desk();
+        let nothing = |desk: &mut Desk| {
+            let to_measure = !desk.paused && !engine.is_idle();
+            !desk.stopped && desk.wishes.is_empty() && !to_measure
+        };
+        let desk = shared.wake.wait_while(desk, nothing).unwrap_or_else(PoisonError::into_inner);
+        if desk.stopped {
+            return;
+        }
+        drop(desk);
+        turn(shared, &mut engine);
+    }
+}
+
+/// Takes the wishes, then one step.
+fn turn(shared: &Shared, engine: &mut Engine) {
+    let control = Arc::new(Control::default());
+    {
+        let mut desk = shared.desk();
+        for (id, wish) in std::mem::take(&mut desk.wishes) {
+            match wish {
+                Some(request) => engine.set(id, request),
+                None => engine.remove(id),
+            }
+        }
+        if desk.paused {
+            return;
+        }
+        desk.step = engine.next().map(|id| (id, control.clone()));
+    }
+    let found = engine.step(&control);
+    let mut desk = shared.desk();
+    desk.step = None;
+    let Some((id, snapshot)) = found else { return };
+    // Forgotten while it was measured.
+    if desk.wishes.get(&id).is_some_and(Option::is_none) {
+        return;
+    }
+    desk.results.insert(id, Arc::new(snapshot));
+    drop(desk);
+    (shared.notify)();
+}
