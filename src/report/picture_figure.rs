@@ -17,14 +17,16 @@ use crate::analysis::Analysis;
 
 const TOP: f64 = 92.0;
 const LEFT: f64 = 84.0;
-/// Where the last picture ends; the colour bar is to the right.
+/// Where the last picture ends at most; the colour bar is to the right.
 const RIGHT: f64 = 770.0;
 /// Between pictures: room for ticks and a label.
 const GAP: f64 = 84.0;
 /// No picture is higher than this, nor thinner than this part of its longer side.
 const HIGHEST: f64 = 640.0;
 const THINNEST: f64 = 0.25;
-const BAR: [f64; 2] = [798.0, 14.0];
+/// The colour bar: how far right of the last picture, and how wide.
+const BAR_GAP: f64 = 28.0;
+const BAR_WIDTH: f64 = 14.0;
 /// Characters per line of the caption.
 const LINE: usize = 118;
 
@@ -114,7 +116,7 @@ fn svg(
         overlay.push_str("</g>\n");
         left += width + GAP;
     }
-    let [bar_left, bar_width] = BAR;
+    let (bar_left, bar_width) = (left - GAP + BAR_GAP, BAR_WIDTH);
     let stops: Vec<u8> = (0..256).rev().flat_map(|k| colors.color(f64::from(k) / 255.0)).collect();
     embed(&mut overlay, &encode(&stops, [1, 256], "Colours", quantity)?, [bar_left, TOP, bar_width, bar_height]);
     frames.push(((bar_left, TOP), (bar_left + bar_width, TOP + bar_height)));

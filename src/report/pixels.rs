@@ -72,5 +72,5 @@ fn ends(analysis: &Analysis, reach: Option<f64>) -> Option<[f64; 2]> {
 pub fn vector_ticks(analysis: &Analysis, reach: Option<f64>) -> Option<Vec<(f64, String)>> {
     let [low, high] = ends(analysis, reach)?;
     let place = |(g, text): (f64, String)| ((g - low) / (high - low), text);
-    Some(figure::ticks(&(low..high), 6).into_iter().map(place).collect())
+    Some(figure::ticks(&(low.max(0.0)..high), 6).into_iter().map(place).collect())
 }

@@ -123,8 +123,8 @@ pub fn spectrum_at(analysis: &Analysis, nu: [f64; 2]) -> Option<ModeAt> {
     let mut m = [0; 3];
     for axis in 0..grid.dim().min(2) {
         let nearest = (nu[axis] * sides[axis]).round();
-        // Written so that NaN is outside.
-        if !(nearest.abs() <= f64::from(f[axis])) {
+        // NaN is outside too.
+        if !(0.0..=f64::from(f[axis])).contains(&nearest.abs()) {
             return None;
         }
         m[axis] = nearest as i32;
