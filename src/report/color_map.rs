@@ -55,7 +55,6 @@ impl ColorMap {
             Self::Magma => of(colorous::MAGMA, rising),
             Self::Grey => srgb([100.0 * rising, 0.0, 0.0]),
             Self::BlueRed => diverging(x),
-            // PuOr runs from orange to purple when read backwards.
             Self::PurpleOrange => of(colorous::PURPLE_ORANGE, if x.is_nan() { 0.5 } else { rising }),
         }
     }

@@ -91,6 +91,20 @@ impl Engine {
         busy().find(|&id| id > self.last).or_else(|| busy().next())
     }
 
+    /// What is asked of a set.
+    pub fn request(&self, id: SetId) -> Option<&Request> {
+        self.jobs.get(&id).map(|job| &job.request)
+    }
+
+    /// What there is to show of a set whose step did not come back.
+    pub fn failed(&mut self, id: SetId, request: Request) -> (SetId, Snapshot) {
+        self.jobs.remove(&id);
+        self.generation += 1;
+        let error = "an internal error stopped this set: a bug of pairwave; other settings start it again".to_string();
+        let (generation, device) = (self.generation, String::new());
+        (id, Snapshot { request, analysis: None, status: None, done: false, error: Some(error), device, generation })
+    }
+
     /// One step of the set whose turn it is. What there is to show of it, when it is time to.
     pub fn step(&mut self, control: &Control) -> Option<(SetId, Snapshot)> {
         let id = self.next()?;

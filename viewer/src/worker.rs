@@ -136,6 +136,7 @@ fn run(shared: &Shared) {
 /// Takes the wishes, then one step.
 fn turn(shared: &Shared, engine: &mut Engine) {
     let control = Arc::new(Control::default());
+    let of;
     {
         let mut desk = shared.desk();
         for (id, wish) in std::mem::take(&mut desk.wishes) {
@@ -148,8 +149,11 @@ fn turn(shared: &Shared, engine: &mut Engine) {
             return;
         }
         desk.step = engine.next().map(|id| (id, control.clone()));
+        of = engine.next().and_then(|id| Some((id, engine.request(id)?.clone())));
     }
-    let found = engine.step(&control);
+    // A panic is a bug of ours: the set it is of stops, the others go on.
+    let step = std::panic::AssertUnwindSafe(|| engine.step(&control));
+    let found = std::panic::catch_unwind(step).unwrap_or_else(|_| of.map(|(id, request)| engine.failed(id, request)));
     let mut desk = shared.desk();
     desk.step = None;
     let Some((id, snapshot)) = found else { return };
