@@ -249,6 +249,7 @@ struct Typed {
 
 impl Default for Request {
     /// What `pairwave analyze` measures when no flag is given.
+    #[expect(clippy::expect_used, reason = "what parses is fixed, and a test parses it")]
     fn default() -> Self {
         Self::parse([]).expect("every setting has a default or may be left out")
     }
