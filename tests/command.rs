@@ -904,7 +904,7 @@ fn a_request_is_a_command_line() {
         "--class-column 3 --classes A,B --stats pcf,radial,pcf-vector,k-function,covariance --edges e.txt x.npy",
         "--r-max 0.25 --bins 12 --bin-scale log --beyond-half --lag-bins 8 --lag-max 0.125 --lag-rings 0.1,0.2 x",
         "--kernel gaussian --bandwidth 0.001 --divisor d --exact-kernel --correction border --envelope 19 x",
-        "--normalization squared --max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 x",
+        "--normalization intensity --max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 x",
         "--frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",
         "--r-max=-1 --bandwidth lscv --kernel box --device 0 --accuracy high --threads 2 -- x -y",
     ];
@@ -932,7 +932,7 @@ fn a_request_is_a_command_line() {
             match value {
                 // A flag without a value.
                 "true" | "false" => continue,
-                _ if long == "--kernel" => line[4] = value.into(),
+                _ if long == "--kernel" => line[5] = value.into(),
                 _ => line.extend([long.clone(), value.into()]),
             }
             let asked = request(&line).unwrap();
