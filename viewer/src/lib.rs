@@ -1,10 +1,24 @@
-//! What a viewer needs behind its window: measurements that go on while they are looked at, and while their settings change.
+//! The viewer: points, g(r) and P(nu), live. A window over the library: it edits `Request`s, hands them to a worker that
+//! measures step by step, and draws the `Analysis` that comes back. It holds no arithmetic of its own; what is drawn, and the
+//! text of what is under the pointer, comes from `pairwave::report`.
 //!
 //! ```text
-//! Request -> Worker (a thread; Engine: one `Running` per set) -> Snapshot
+//! controls -> Request -> worker (Engine: Running per set) -> Snapshot -> panels
 //! ```
 
 #![warn(unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+pub mod app;
+mod colors;
+mod controls;
 pub mod engine;
+mod export;
+pub mod files;
+mod help;
+mod hover;
+mod panels;
+mod session;
+mod set;
+mod status;
+pub mod view;
 pub mod worker;

@@ -1,0 +1,195 @@
+//! The window: controls at the left, panels in the middle, what is going on at the bottom.
+
+use eframe::egui;
+use pairwave::report::Panel;
+use pairwave::request::Request;
+
+use crate::controls::Controls;
+use crate::engine::{SetId, Snapshot};
+use crate::export::Exports;
+use crate::files::Files;
+use crate::hover::Hover;
+use crate::panels::{Panels, Scene};
+use crate::set::{MOST_SETS, Set};
+use crate::view::{Theme, View};
+use crate::worker::Worker;
+use crate::{controls, help, session, status};
+
+/// The state of the window.
+pub struct Viewer {
+    pub(crate) sets: Vec<Set>,
+    pub(crate) selected: usize,
+    pub(crate) view: View,
+    pub(crate) hover: Hover,
+    pub(crate) paused: bool,
+    pub(crate) help: bool,
+    /// What went wrong with a file, a session or an export; shown until it is closed.
+    pub(crate) messages: Vec<String>,
+    pub(crate) controls: Controls,
+    pub(crate) panels: Panels,
+    pub(crate) exports: Exports,
+    pub(crate) files: Box<dyn Files>,
+    worker: Worker,
+    next_id: SetId,
+    /// What the worker was last asked for, by set.
+    asked: Vec<(SetId, Request)>,
+}
+
+impl Viewer {
+    /// A window with one set. `notify` is called from another thread when there is something new to draw.
+    pub fn new(
+        request: Request,
+        files: Box<dyn Files>,
+        notify: impl Fn() + Send + Sync + 'static,
+    ) -> std::io::Result<Self> {
+        let mut viewer = Self {
+            sets: Vec::new(),
+            selected: 0,
+            view: View::default(),
+            hover: Hover::default(),
+            paused: false,
+            help: false,
+            messages: Vec::new(),
+            controls: Controls::default(),
+            panels: Panels::default(),
+            exports: Exports::default(),
+            files,
+            worker: Worker::new(notify)?,
+            next_id: 1,
+            asked: Vec::new(),
+        };
+        viewer.add(request);
+        Ok(viewer)
+    }
+
+    /// What it opens with where nothing is asked for: a sampler whose g and P are known in closed form.
+    pub fn first_request() -> Request {
+        let mut request = Request::default();
+        request.input.sampler = Some("jittered".into());
+        request.input.points = Some(1024);
+        request.input.realizations = Some(200);
+        request
+    }
+
+    /// Adds a set and selects it; says so if there is no room.
+    pub(crate) fn add(&mut self, request: Request) {
+        if self.sets.len() >= MOST_SETS {
+            self.messages.push(format!("There is room for {MOST_SETS} sets: remove one first"));
+            return;
+        }
+        let free = (0..MOST_SETS).find(|c| self.sets.iter().all(|s| s.color != *c));
+        self.sets.push(Set { id: self.next_id, color: free.unwrap_or(0), visible: true, request, snapshot: None });
+        self.next_id += 1;
+        self.selected = self.sets.len() - 1;
+    }
+
+    /// Removes a set; the last one stays.
+    pub(crate) fn remove(&mut self, index: usize) {
+        if self.sets.len() > 1 && index < self.sets.len() {
+            self.worker.remove(self.sets.remove(index).id);
+            self.selected = self.selected.min(self.sets.len() - 1);
+        }
+    }
+
+    /// What is asked of the worker for a set: what its request says, of the statistics that the panels show.
+    pub(crate) fn wanted(&self, set: &Set) -> Request {
+        let shown = |p: &&Panel| self.view.maximized.is_none_or(|m| m == **p);
+        let mut stats = Vec::new();
+        for statistic in self.view.panels.iter().filter(shown).flat_map(|p| p.statistics()) {
+            if !stats.contains(statistic) {
+                stats.push(*statistic);
+            }
+        }
+        Request { stats, ..set.request.clone() }
+    }
+
+    /// Tells the worker what changed, and takes what it found.
+    fn exchange(&mut self) {
+        self.worker.poll();
+        for index in 0..self.sets.len() {
+            let set = &self.sets[index];
+            if !set.visible {
+                continue;
+            }
+            let (id, wanted) = (set.id, self.wanted(set));
+            if !self.asked.iter().any(|(of, request)| *of == id && *request == wanted) {
+                self.asked.retain(|(of, _)| *of != id);
+                self.asked.push((id, wanted.clone()));
+                self.worker.set(id, wanted);
+            }
+            if let Some(latest) = self.worker.latest(id) {
+                self.sets[index].snapshot = Some(latest);
+            }
+        }
+        let ids: Vec<SetId> = self.sets.iter().map(|s| s.id).collect();
+        self.asked.retain(|(id, _)| ids.contains(id));
+    }
+
+    /// Stops or goes on.
+    pub(crate) fn pause(&mut self, paused: bool) {
+        self.paused = paused;
+        self.worker.pause(paused);
+    }
+
+    /// Whether everything asked for is there.
+    pub fn is_settled(&self) -> bool {
+        let settled = |s: &Snapshot| s.done || s.error.is_some();
+        self.sets
+            .iter()
+            .filter(|s| s.visible)
+            .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(s) && s.request == self.wanted(set)))
+    }
+
+    /// Draws a frame.
+    pub fn ui(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        ctx.set_theme(match self.view.theme {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Light => egui::ThemePreference::Light,
+            Theme::Dark => egui::ThemePreference::Dark,
+        });
+        self.exchange();
+        help::shortcuts(&ctx, self);
+        self.take_dropped(&ctx);
+        egui::Panel::bottom("status").show(ui, |ui| status::show(ui, self));
+        egui::Panel::left("controls")
+            .resizable(true)
+            .default_size(248.0)
+            .size_range(220.0..=420.0)
+            .show(ui, |ui| egui::ScrollArea::vertical().show(ui, |ui| controls::show(ui, self)));
+        egui::CentralPanel::default().show(ui, |ui| {
+            let mut scene = Scene {
+                sets: &self.sets,
+                selected: self.selected,
+                view: &mut self.view,
+                hover: &mut self.hover,
+                exports: &mut self.exports,
+            };
+            self.panels.show(ui, &mut scene);
+        });
+        help::show(&ctx, self);
+        self.carry_out_exports(&ctx);
+        if self.hover.end_frame() {
+            ctx.request_repaint();
+        }
+    }
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        Self::ui(self, ui);
+    }
+}
+
+/// Sessions are text that names every set by its command.
+impl Viewer {
+    /// The session as text.
+    pub fn session(&self) -> String {
+        session::write(self)
+    }
+
+    /// Takes a session; after an error nothing has changed.
+    pub fn open_session(&mut self, text: &str) -> Result<(), String> {
+        session::read(self, text)
+    }
+}

@@ -1,0 +1,97 @@
+//! The panels, in a grid that suits the window.
+
+mod curves;
+mod images;
+mod points;
+
+use eframe::egui;
+use pairwave::report::Panel;
+
+use crate::export::Exports;
+use crate::hover::Hover;
+use crate::set::Set;
+use crate::view::View;
+
+/// What panels draw from, and what they may change.
+pub(crate) struct Scene<'a> {
+    pub(crate) sets: &'a [Set],
+    /// The set whose pictures are shown.
+    pub(crate) selected: usize,
+    pub(crate) view: &'a mut View,
+    pub(crate) hover: &'a mut Hover,
+    pub(crate) exports: &'a mut Exports,
+}
+
+/// What panels keep between frames.
+#[derive(Default)]
+pub(crate) struct Panels {
+    images: images::Images,
+    points: points::Points,
+}
+
+impl Panels {
+    /// All that are wanted, or the one that fills the window.
+    pub(crate) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>) {
+        let shown: Vec<Panel> = match scene.view.maximized {
+            Some(one) => vec![one],
+            None => Panel::ALL.into_iter().filter(|p| scene.view.panels.contains(p)).collect(),
+        };
+        if shown.is_empty() {
+            ui.centered_and_justified(|ui| ui.label("No panel is shown: choose some under Panels."));
+            return;
+        }
+        let area = ui.available_rect_before_wrap();
+        let columns = columns(shown.len(), area.size());
+        let rows = shown.len().div_ceil(columns);
+        let gap = 6.0;
+        let height = (area.height() - gap * (rows as f32 - 1.0)) / rows as f32;
+        for (row, panels) in shown.chunks(columns).enumerate() {
+            // The last row may hold fewer: they are wider.
+            let width = (area.width() - gap * (panels.len() as f32 - 1.0)) / panels.len() as f32;
+            for (column, &panel) in panels.iter().enumerate() {
+                let corner = area.min + egui::vec2(column as f32 * (width + gap), row as f32 * (height + gap));
+                let rect = egui::Rect::from_min_size(corner, egui::vec2(width, height));
+                let builder = egui::UiBuilder::new().max_rect(rect).id_salt(panel.slug());
+                ui.scope_builder(builder, |ui| self.frame(ui, panel, scene));
+            }
+        }
+        ui.allocate_rect(area, egui::Sense::hover());
+    }
+
+    /// A panel with its title and its buttons.
+    fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
+        egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
+            ui.set_min_size(ui.available_size());
+            ui.horizontal(|ui| {
+                ui.strong(panel.name()).on_hover_text(panel.definition());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let full = scene.view.maximized == Some(panel);
+                    let (sign, text) = if full {
+                        ("🗗", "Show all panels again (Escape)")
+                    } else {
+                        ("🗖", "Fill the window (double click on the title)")
+                    };
+                    if crate::controls::icon(ui, sign, text).clicked() {
+                        scene.view.maximized = if full { None } else { Some(panel) };
+                    }
+                    scene.exports.menu(ui, panel);
+                });
+            });
+            match panel {
+                Panel::Points => self.points.show(ui, scene),
+                Panel::Pcf | Panel::Radial | Panel::Anisotropy => curves::show(ui, panel, scene),
+                Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene),
+            }
+        });
+    }
+}
+
+/// How many columns make panels closest to a little wider than high.
+fn columns(panels: usize, size: egui::Vec2) -> usize {
+    let shape = |columns: usize| {
+        let rows = panels.div_ceil(columns);
+        let ratio = (size.x / columns as f32) / (size.y / rows as f32);
+        (ratio / 1.2).ln().abs()
+    };
+    (1..=panels).min_by(|&a, &b| shape(a).total_cmp(&shape(b))).unwrap_or(1)
+}

@@ -1,0 +1,40 @@
+//! One of the sets that are looked at.
+
+use std::sync::Arc;
+
+use pairwave::analysis::Analysis;
+use pairwave::request::Request;
+
+use crate::engine::{SetId, Snapshot};
+
+/// How many sets are shown at most.
+pub(crate) const MOST_SETS: usize = 4;
+
+/// A set with what is asked of it and what is known of it.
+pub(crate) struct Set {
+    pub(crate) id: SetId,
+    /// Which of the set colours it has.
+    pub(crate) color: usize,
+    /// Whether it is drawn.
+    pub(crate) visible: bool,
+    /// What is asked for; statistics follow from the panels.
+    pub(crate) request: Request,
+    pub(crate) snapshot: Option<Arc<Snapshot>>,
+}
+
+impl Set {
+    /// What there is to draw.
+    pub(crate) fn analysis(&self) -> Option<&Analysis> {
+        self.snapshot.as_ref()?.analysis.as_deref()
+    }
+
+    /// In a few words, for legends.
+    pub(crate) fn name(&self) -> String {
+        let input = &self.request.input;
+        match (&input.sampler, input.files.as_slice()) {
+            (Some(sampler), _) => sampler.clone(),
+            (None, [file]) => file.file_name().map_or_else(|| "-".into(), |f| f.to_string_lossy().into_owned()),
+            (None, files) => format!("{} files", files.len()),
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! How things are shown: nothing here is ever measured anew.
+
+use pairwave::report::ColorMap;
+use pairwave::report::Panel;
+use pairwave::report::ToneMap;
+use pairwave::report::{AxisScale, FrequencyUnit, LengthUnit};
+use serde::{Deserialize, Serialize};
+
+/// Everything about the looks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub struct View {
+    /// Panels that are shown, and so computed.
+    pub panels: Vec<Panel>,
+    /// The panel that fills the window.
+    pub maximized: Option<Panel>,
+    /// Pictures of several sets, side by side; else of the selected one.
+    pub side_by_side: bool,
+    /// Unit of distances.
+    pub length_unit: LengthUnit,
+    /// Unit of frequencies.
+    pub frequency_unit: FrequencyUnit,
+    /// Along r.
+    pub r_scale: AxisScale,
+    /// Along nu.
+    pub nu_scale: AxisScale,
+    /// Of g.
+    pub g_scale: AxisScale,
+    /// Of P.
+    pub p_scale: AxisScale,
+    /// Whether curves have their error bands.
+    pub bands: bool,
+    /// Whether curves have their closed forms.
+    pub closed_forms: bool,
+    /// Of the 2D spectrum.
+    pub tone_map: ToneMap,
+    /// Of the 2D spectrum.
+    pub spectrum_colors: ColorMap,
+    /// Of the vector g.
+    pub vector_colors: ColorMap,
+    /// Which pair of axes of a 3D set.
+    pub plane: usize,
+    /// Points: copies around the torus.
+    pub tiling: bool,
+    /// Points: their indices.
+    pub indices: bool,
+    /// Points: the strata of a square number of them.
+    pub strata: bool,
+    /// Points: each linked to its nearest neighbour.
+    pub links: bool,
+    /// Light or dark.
+    pub theme: Theme,
+}
+
+/// Light or dark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Theme {
+    /// As the desktop has it.
+    #[default]
+    System,
+    /// Light.
+    Light,
+    /// Dark.
+    Dark,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            panels: Panel::ALL.to_vec(),
+            maximized: None,
+            side_by_side: false,
+            length_unit: LengthUnit::Box,
+            frequency_unit: FrequencyUnit::Cycles,
+            r_scale: AxisScale::Linear,
+            nu_scale: AxisScale::Linear,
+            g_scale: AxisScale::Linear,
+            p_scale: AxisScale::Linear,
+            bands: true,
+            closed_forms: true,
+            tone_map: ToneMap::default(),
+            spectrum_colors: ColorMap::SEQUENTIAL[0],
+            vector_colors: ColorMap::DIVERGING[0],
+            plane: 0,
+            tiling: false,
+            indices: false,
+            strata: false,
+            links: false,
+            theme: Theme::System,
+        }
+    }
+}
