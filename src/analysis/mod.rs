@@ -3,6 +3,7 @@
 
 mod classes;
 mod envelope;
+mod idle;
 mod measure;
 mod plan;
 mod running;
