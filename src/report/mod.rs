@@ -15,6 +15,7 @@ mod picture_figure;
 mod pixels;
 mod plots;
 mod points_picture;
+mod progress;
 mod readout;
 mod spectrum_image;
 mod spectrum_numbers;

@@ -2,30 +2,50 @@
 
 use std::path::PathBuf;
 
+/// What to ask for.
+pub enum Choice {
+    /// Point files.
+    Points,
+    /// A folder of them.
+    Folder,
+    /// A session.
+    Session,
+}
+
+/// What came of it.
+pub enum Answer {
+    /// Files of points, or a folder.
+    Points(Vec<PathBuf>),
+    /// A session.
+    Session {
+        /// Its file.
+        path: PathBuf,
+        /// Its text.
+        text: String,
+    },
+    /// Written there.
+    Saved(PathBuf),
+    /// Why not.
+    Failed(String),
+}
+
 /// Reading and writing on behalf of a person.
 pub trait Files {
-    /// The text of a file.
-    fn read(&self, path: &std::path::Path) -> Result<String, String>;
-    /// Writes a file that is not there yet.
-    fn write(&self, path: &std::path::Path, bytes: &[u8]) -> Result<(), String>;
-    /// Where exports go unless told otherwise.
-    fn folder(&self) -> PathBuf;
+    /// Asks for files; the answer comes with `answers`, perhaps much later.
+    fn choose(&mut self, what: Choice);
+    /// Asks where to, and writes.
+    fn save(&mut self, name: &str, bytes: Vec<u8>);
+    /// What came of what was asked for.
+    fn answers(&mut self) -> Vec<Answer>;
 }
 
 /// Those of the computer.
 pub struct LocalFiles;
 
 impl Files for LocalFiles {
-    fn read(&self, path: &std::path::Path) -> Result<String, String> {
-        std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
-    }
-
-    fn write(&self, path: &std::path::Path, bytes: &[u8]) -> Result<(), String> {
-        let file = std::fs::OpenOptions::new().write(true).create_new(true).open(path);
-        file.and_then(|mut f| std::io::Write::write_all(&mut f, bytes)).map_err(|e| format!("{}: {e}", path.display()))
-    }
-
-    fn folder(&self) -> PathBuf {
-        std::env::current_dir().unwrap_or_default()
+    fn choose(&mut self, _: Choice) {}
+    fn save(&mut self, _: &str, _: Vec<u8>) {}
+    fn answers(&mut self) -> Vec<Answer> {
+        Vec::new()
     }
 }

@@ -13,3 +13,6 @@ pub(crate) fn read(viewer: &mut Viewer, text: &str) -> Result<(), String> {
     let _ = (viewer, text);
     Ok(())
 }
+
+/// The menu.
+pub(crate) fn menu(_: &mut eframe::egui::Ui, _: &mut Viewer) {}

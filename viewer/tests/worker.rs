@@ -175,6 +175,21 @@ fn a_pause_stops_and_goes_on() {
 }
 
 #[test]
+fn a_set_is_held_while_another_goes_on() {
+    let (worker, told) = worker();
+    let (long, short) =
+        (request("--sampler random -n 500 -k 3000 --stats pcf"), request("--sampler random -n 50 -k 3"));
+    worker.set(1, long.clone());
+    wait(&worker, &told, 1, |s| s.analysis.is_some());
+    worker.hold(1, true);
+    worker.set(2, short.clone());
+    assert_equal(&wait(&worker, &told, 2, |s| s.done), &short);
+    assert!(!worker.latest(1).unwrap().done);
+    worker.hold(1, false);
+    assert_equal(&wait(&worker, &told, 1, |s| s.done), &long);
+}
+
+#[test]
 fn errors_are_shown_and_left_behind() {
     let (worker, told) = worker();
     for (line, says) in [
