@@ -165,6 +165,16 @@ impl Viewer {
             .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(s) && s.request == self.wanted(set)))
     }
 
+    /// What is asked for of each set.
+    pub fn requests(&self) -> impl Iterator<Item = &Request> {
+        self.sets.iter().map(|set| &set.request)
+    }
+
+    /// The latest of each set.
+    pub fn snapshots(&self) -> impl Iterator<Item = Option<&Snapshot>> {
+        self.sets.iter().map(|set| set.snapshot.as_deref())
+    }
+
     /// Draws a frame.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
