@@ -81,7 +81,7 @@ impl Viewer {
     }
 
     /// Adds a set and selects it; says so if there is no room.
-    pub(crate) fn add(&mut self, request: Request) {
+    pub fn add(&mut self, request: Request) {
         if self.sets.len() >= MOST_SETS {
             self.messages.push(format!("There is room for {MOST_SETS} sets: remove one first"));
             return;
@@ -163,6 +163,16 @@ impl Viewer {
             .iter()
             .filter(|s| s.visible && !s.cancelled)
             .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(s) && s.request == self.wanted(set)))
+    }
+
+    /// How things are shown.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Shows things otherwise.
+    pub fn set_view(&mut self, view: View) {
+        self.view = view;
     }
 
     /// What is asked for of each set.
