@@ -32,6 +32,8 @@ pub(super) struct Chart<'a> {
     pub(super) frame: Frame,
     /// Whether a unit is as long upward as it is to the right.
     pub(super) square: bool,
+    /// Whether it is filled, so that a grid behind it would be in the way.
+    pub(super) picture: bool,
     /// What it shows, for those who cannot see it.
     pub(super) described: &'a str,
 }
@@ -76,8 +78,12 @@ impl Chart<'_> {
     where
         Self: 'b,
     {
-        let Self { panel, index, x, y, frame, .. } = self;
+        let Self { panel, index, x, y, .. } = self;
         let size = ui.available_size();
+        let id = ui.id().with(("chart", panel.slug(), index));
+        // How large the inner part was, without axes.
+        let inner = ui.data(|d| d.get_temp::<egui::Vec2>(id)).unwrap_or(size - egui::vec2(30.0, 20.0));
+        let frame = if self.square { whole(self.frame, inner) } else { self.frame };
         let roomy = is_roomy(size);
         let count = |length: f32, each: f32| ((length / each) as u32).clamp(2, 8);
         let targets = [count(size.x, 110.0), count(size.y, 60.0)];
@@ -108,7 +114,10 @@ impl Chart<'_> {
             .custom_x_axes(vec![x_hints])
             .custom_y_axes(vec![y_hints.min_thickness(28.0)]);
         if self.square {
-            plot = plot.data_aspect(1.0);
+            plot = plot.data_aspect(1.0).allow_boxed_zoom(false);
+        }
+        if self.picture {
+            plot = plot.show_grid(false);
         }
         if index > 0 || zoomed.is(panel) {
             // Those side by side are looked at together.
@@ -133,6 +142,7 @@ impl Chart<'_> {
             changed
         });
         let response = shown.response;
+        ui.data_mut(|d| d.insert_temp(id, response.rect.size()));
         // A box is drawn with the other button.
         if shown.inner || response.drag_stopped() || response.dragged() {
             zoomed.0.insert(panel);
@@ -144,6 +154,17 @@ impl Chart<'_> {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &described));
         Shown { response, transform: shown.transform }
     }
+}
+
+/// The frame that shows all of one where a unit is as long upward as to the right.
+fn whole(frame: Frame, size: egui::Vec2) -> Frame {
+    let [width, height] = [frame.x[1] - frame.x[0], frame.y[1] - frame.y[0]];
+    let per_point = (width / f64::from(size.x.max(1.0))).max(height / f64::from(size.y.max(1.0)));
+    let about = |ends: [f64; 2], points: f32| {
+        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * per_point * f64::from(points.max(1.0)));
+        [middle - half, middle + half]
+    };
+    Frame { x: about(frame.x, size.x), y: about(frame.y, size.y) }
 }
 
 fn marks(axis: Axis, target: u32) -> impl Fn(GridInput) -> Vec<GridMark> {

@@ -65,7 +65,7 @@ impl Curves {
         let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].name()).collect();
         let (x, y) = axes;
         let described = format!("{} of {}, along {}", panel.name(), names.join(", "), x.label());
-        let chart = Chart { panel, index: 0, x, y, frame, square: false, described: &described };
+        let chart = Chart { panel, index: 0, x, y, frame, square: false, picture: false, described: &described };
         self.plot(ui, scene, zoomed, &drawn, chart);
     }
 

@@ -6,7 +6,7 @@ use eframe::egui;
 use egui_plot::{HLine, Line, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 use pairwave::analysis::Analysis;
 use pairwave::report::{
-    Axis, AxisScale, ColorMap, Frame, Panel, Pixels, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
+    Axis, ColorMap, Frame, Panel, Pixels, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
     vector_reach, vector_ticks,
 };
 
@@ -28,6 +28,7 @@ struct Kept {
     of: Shades,
     texture: egui::TextureHandle,
     extent: [[f64; 2]; 2],
+    axes: [usize; 2],
 }
 
 /// What the pixels of a picture depend on: the snapshot, and the looks.
@@ -83,7 +84,7 @@ impl Images {
         let width = (area.width() - bar) / shown.len() as f32;
         for (index, &of) in shown.iter().enumerate() {
             let corner = area.min + egui::vec2(width * index as f32, 0.0);
-            let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 4.0, area.height()));
+            let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 14.0, area.height()));
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
             ui.scope_builder(builder, |ui| self.picture(ui, panel, index, of, scene, zoomed));
         }
@@ -134,11 +135,11 @@ impl Images {
             match self.kept.get_mut(&key) {
                 Some(kept) => {
                     kept.texture.set(image, options);
-                    (kept.of, kept.extent) = (of, pixels.extent);
+                    (kept.of, kept.extent, kept.axes) = (of, pixels.extent, pixels.axes);
                 }
                 None => {
                     let texture = ctx.load_texture(panel.slug(), image, options);
-                    self.kept.insert(key, Kept { of, texture, extent: pixels.extent });
+                    self.kept.insert(key, Kept { of, texture, extent: pixels.extent, axes: pixels.axes });
                 }
             }
         }
@@ -157,14 +158,18 @@ impl Images {
     ) {
         let set = &scene.sets[of];
         let (Some(analysis), Some(kept)) = (set.analysis(), self.kept.get(&(panel, set.id))) else { return };
-        let axis = match panel {
-            Panel::Spectrum => Axis::frequency(analysis, scene.view.frequency_unit, AxisScale::Linear),
-            _ => Axis::distance(analysis, scene.view.length_unit, AxisScale::Linear),
+        let [x_axis, y_axis] = match panel {
+            Panel::Spectrum => kept.axes.map(|axis| Axis::wave(analysis, scene.view.frequency_unit, axis)),
+            _ => kept.axes.map(|axis| Axis::lag(analysis, scene.view.length_unit, axis)),
         };
+        // Both are in one unit.
+        let axis = x_axis;
         let [x, y] = kept.extent.map(|ends| ends.map(|end| axis.in_unit(end)));
         let frame = Frame { x, y };
-        let described = format!("{} of {}, a picture along {}", panel.name(), set.name(), axis.label());
-        let chart = Chart { panel, index, x: axis, y: axis, frame, square: true, described: &described };
+        let described =
+            format!("{} of {}, a picture along {} and {}", panel.name(), set.name(), x_axis.label(), y_axis.label());
+        let chart =
+            Chart { panel, index, x: x_axis, y: y_axis, frame, square: true, picture: true, described: &described };
         let ink = ui.visuals().text_color();
         let (texture, hover) = (kept.texture.id(), &*scene.hover);
         let shown = chart.show(ui, zoomed, |plot| {

@@ -109,12 +109,12 @@ impl Panels {
     }
 }
 
-/// How many columns make panels closest to a little wider than high.
+/// How many columns make panels closest to square.
 fn columns(panels: usize, size: egui::Vec2) -> usize {
     let shape = |columns: usize| {
         let rows = panels.div_ceil(columns);
         let ratio = (size.x / columns as f32) / (size.y / rows as f32);
-        (ratio / 1.2).ln().abs()
+        ratio.ln().abs()
     };
     (1..=panels).min_by(|&a, &b| shape(a).total_cmp(&shape(b))).unwrap_or(1)
 }

@@ -6,7 +6,7 @@ use eframe::egui;
 use pairwave::analysis::Analysis;
 use pairwave::compute::Control;
 use pairwave::points::Boundary;
-use pairwave::report::{Axis, AxisScale, Frame, Panel, overlays};
+use pairwave::report::{Axis, Frame, Panel, overlays};
 use pairwave::request::PointsRequest;
 
 use super::chart::{Chart, Shown, Zoomed};
@@ -107,7 +107,9 @@ impl Points {
 
     fn chart(&self, ui: &mut egui::Ui, index: usize, sets: &[usize], scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let Some(analysis) = sets.first().and_then(|&s| scene.sets[s].analysis()) else { return };
-        let axis = Axis::distance(analysis, scene.view.length_unit, AxisScale::Linear);
+        let all = overlays::planes(analysis.domain.dim());
+        let plane = all[scene.view.plane.min(all.len() - 1)];
+        let [axis, y_axis] = plane.map(|axis| Axis::coordinate(analysis, scene.view.length_unit, axis));
         let square = analysis.domain.dim() > 1;
         let frames = sets.iter().filter_map(|&s| self.kept.get(&scene.sets[s].id)).map(|kept| {
             let [low, high] = kept.frame.map(|corner| corner.map(|v| axis.in_unit(v)));
@@ -120,8 +122,18 @@ impl Points {
         });
         let Some(frame) = frames.reduce(Frame::union) else { return };
         let names: Vec<String> = sets.iter().map(|&s| scene.sets[s].name()).collect();
-        let described = format!("points of {}, first realization, along {}", names.join(", "), axis.label());
-        let chart = Chart { panel: Panel::Points, index, x: axis, y: axis, frame, square, described: &described };
+        let described =
+            format!("points of {}, first realization, along {} and {}", names.join(", "), axis.label(), y_axis.label());
+        let chart = Chart {
+            panel: Panel::Points,
+            index,
+            x: axis,
+            y: y_axis,
+            frame,
+            square,
+            picture: false,
+            described: &described,
+        };
         let shown = chart.show(ui, zoomed, |_| ());
         let (painter, dark) = (shown.painter(ui), ui.visuals().dark_mode);
         let mut nearest: Option<(f32, Place)> = None;
@@ -140,7 +152,7 @@ impl Points {
                     nearest = Some((distance, Place::Point(set.id, k)));
                 }
             }
-            if let Some(Place::Point(id, k)) = scene.hover.place().filter(|_| true) {
+            if let Some(Place::Point(id, k)) = scene.hover.place() {
                 let here = kept.places.get(k / kept.every).filter(|_| id == set.id);
                 if let Some(place) = here {
                     let stroke = egui::Stroke::new(1.5, ui.visuals().text_color());
