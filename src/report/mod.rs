@@ -28,7 +28,7 @@ mod vector_image;
 
 pub use color_map::ColorMap;
 pub use headline::headline;
-pub use panel::Panel;
+pub use panel::{Offers, Panel};
 pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};
 pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
 pub use tone_map::ToneMap;

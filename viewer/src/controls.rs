@@ -10,8 +10,10 @@ pub(crate) struct Controls {}
 
 /// Draws the controls.
 pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
-    let _ = viewer;
-    ui.heading("pairwave");
+    ui.horizontal(|ui| {
+        ui.heading("pairwave");
+        crate::session::menu(ui, viewer);
+    });
 }
 
 /// A small button that shows a sign and says in words what it does.

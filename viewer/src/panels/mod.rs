@@ -30,6 +30,9 @@ pub(crate) struct Panels {
 }
 
 impl Panels {
+    /// Everything is to be seen again: plots and pictures forget where they were zoomed and panned to.
+    pub(crate) fn reset(&mut self) {}
+
     /// All that are wanted, or the one that fills the window.
     pub(crate) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>) {
         let shown: Vec<Panel> = match scene.view.maximized {
@@ -60,7 +63,7 @@ impl Panels {
 
     /// A panel with its title and its buttons.
     fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
-        egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
+        let drawn = egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
             ui.horizontal(|ui| {
                 ui.strong(panel.name()).on_hover_text(panel.definition());
@@ -74,7 +77,9 @@ impl Panels {
                     if crate::controls::icon(ui, sign, text).clicked() {
                         scene.view.maximized = if full { None } else { Some(panel) };
                     }
-                    scene.exports.menu(ui, panel);
+                    if let Some(set) = scene.sets.get(scene.selected) {
+                        scene.exports.menu(ui, panel, set, scene.sets.len());
+                    }
                 });
             });
             match panel {
@@ -83,6 +88,7 @@ impl Panels {
                 Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene),
             }
         });
+        scene.exports.at(panel, drawn.response.rect);
     }
 }
 
