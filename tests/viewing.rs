@@ -187,6 +187,50 @@ fn the_points_read_back() {
     assert_eq!(back.fractions(0), analysis.first.fractions(0));
 }
 
+/// Curves are the estimates: every value, twice its error between the ends of the band, its closed form.
+#[test]
+fn curves_are_the_estimates_in_the_units_of_their_axes() {
+    let analysis = analyze(&format!("--sampler jittered -n 64 -k 5 --max-frequency 12 --bins 40 {STATS}"));
+    let (g, radial) = (analysis.pair_correlation.as_ref().unwrap(), analysis.radial.as_ref().unwrap());
+    let r = Axis::distance(&analysis, LengthUnit::PackingDistance, AxisScale::Linear);
+    let curve = Panel::Pcf.curve(&analysis, r, Axis::g(AxisScale::Linear)).unwrap();
+    let unit = LengthUnit::PackingDistance.size(&analysis.domain, 64.0);
+    let expected: Vec<[f64; 2]> = g.r.iter().zip(&g.g).map(|(r, &g)| [r / unit, g]).collect();
+    assert_eq!(curve.line, [expected]);
+    for (b, [x, low, high]) in curve.band[0].iter().copied().enumerate() {
+        assert_eq!((x, low, high), (g.r[b] / unit, g.g[b] - g.g_se[b], g.g[b] + g.g_se[b]));
+    }
+    let theory: Vec<f64> = curve.closed_form[0].iter().map(|p| p[1]).collect();
+    assert_eq!(theory, *analysis.closed_form.g.as_ref().unwrap());
+    assert_eq!((curve.reference, curve.frame.x[0], curve.frame.y[0]), (Some(1.0), 0.0, 0.0));
+
+    // Of the logarithm of 0 there is none: the line begins where g does.
+    let log = Panel::Pcf.curve(&analysis, r, Axis::g(AxisScale::Log)).unwrap();
+    let positive = g.g.iter().filter(|g| **g > 0.0).count();
+    assert!(positive < g.g.len());
+    assert_eq!(log.line.iter().map(Vec::len).sum::<usize>(), positive);
+    assert!(log.line.iter().flatten().chain(log.closed_form.iter().flatten()).flatten().all(|v| v.is_finite()));
+    assert!(log.band.iter().flatten().flatten().all(|v| v.is_finite()));
+
+    let nu = Axis::frequency(&analysis, FrequencyUnit::SqrtN, AxisScale::Log);
+    let decibel = Panel::Radial.curve(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
+    for (place, ring) in decibel.line[0].iter().zip(&radial.rings) {
+        let expected = [(ring.nu / 8.0).log10(), 10.0 * ring.p.log10()];
+        assert!(place.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{place:?} {expected:?}");
+    }
+    let anisotropy = Panel::Anisotropy.curve(&analysis, nu, Axis::anisotropy()).unwrap();
+    assert_eq!(anisotropy.reference, Some(radial.anisotropy_reference_db));
+    let known = radial.rings.iter().filter_map(|ring| ring.anisotropy_db).collect::<Vec<_>>();
+    assert_eq!(anisotropy.line.iter().flatten().map(|p| p[1]).collect::<Vec<_>>(), known);
+    let [_, low, high] = anisotropy.band[0][3];
+    assert!(((low + high) / 2.0 - radial.anisotropy_reference_db).abs() < 1e-12);
+    assert!([Panel::Points, Panel::Spectrum, Panel::Vector].iter().all(|p| p.curve(&analysis, nu, nu).is_none()));
+    let line = analyze("--sampler jittered -n 16 -k 2 --dim 1 --stats radial");
+    let nu = Axis::frequency(&line, FrequencyUnit::Cycles, AxisScale::Linear);
+    assert_eq!(Panel::Anisotropy.curve(&line, nu, Axis::anisotropy()), None);
+    assert!(Panel::Radial.curve(&line, nu, Axis::p(AxisScale::Linear)).is_some());
+}
+
 #[test]
 fn panels_say_what_they_need_and_mean() {
     let mut slugs = Vec::new();

@@ -3,6 +3,7 @@
 
 mod classes;
 mod envelope;
+mod idle;
 mod measure;
 mod plan;
 mod running;
@@ -15,7 +16,7 @@ use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
 use plan::{check_convention, check_points};
-pub use running::{Running, Status};
+pub use running::{Running, Status, TrackStatus};
 
 use crate::accumulate::LagCounts;
 use crate::compute::{Compute, ComputedBy, Control, WithFallback};

@@ -4,8 +4,9 @@ use std::fmt;
 use std::path::Path;
 
 use super::classes::Classes;
+use super::idle::refuse_idle_settings;
 use crate::compute::Compute;
-use crate::error::{Error, Result, number, numbers};
+use crate::error::{Error, Result, number};
 use crate::estimate::{Normalization, PsaStatistics};
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, CovariancePlan, DEFAULT_RINGS, DEFAULT_SECTORS,
@@ -243,66 +244,6 @@ fn simulations(request: &Request, values: u64) -> Result<u64> {
     }
     let reason = format!("expected 1 to {largest} simulations of {values} values each");
     Err(Error::setting("--envelope", simulations, reason))
-}
-
-/// A setting of a statistic that was not asked for would be silently ignored.
-fn refuse_idle_settings(request: &Request) -> Result<()> {
-    use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
-    let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-    let lower = |text: String| text.to_lowercase();
-    let pairs: &[Statistic] = &[Pcf, KFunction];
-    let waves: &[Statistic] = &[Spectrum, Radial];
-    let convention = (request.convention != Convention::Ours).then(|| request.convention.to_string());
-    let of_convention: &[Statistic] =
-        if request.convention == Convention::Psa { &[Pcf, Spectrum, Radial] } else { waves };
-    let settings: [(&str, Option<String>, &[Statistic]); 23] = [
-        ("--r-max", request.r_max.map(number), pairs),
-        ("--bins", request.bins.map(|b| b.to_string()), pairs),
-        ("--bin-scale", request.bin_scale.map(|s| lower(format!("{s:?}"))), pairs),
-        ("--edges", request.edges.as_ref().map(|e| e.display().to_string()), pairs),
-        ("--beyond-half", request.beyond_half.then(|| "(given)".into()), pairs),
-        ("--weight-column", request.input.weight_column.clone(), &[Pcf, KFunction, Spectrum, Radial, Covariance]),
-        ("--kernel", request.kernel.map(|k| lower(format!("{k:?}"))), &[Pcf]),
-        ("--class-column", request.input.class_column.clone(), &[Pcf]),
-        ("--correction", request.correction.map(|c| c.to_string()), &[Pcf, KFunction, PcfVector]),
-        ("--envelope", request.envelope.map(|n| n.to_string()), &[Pcf, KFunction, Neighbors]),
-        ("--lag-bins", request.lag_bins.map(|b| b.to_string()), &[PcfVector]),
-        ("--lag-max", request.lag_max.map(number), &[PcfVector]),
-        ("--lag-rings", request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())), &[PcfVector]),
-        ("--max-frequency", request.max_frequency.as_ref().map(list), waves),
-        ("--frequencies", request.frequencies.as_ref().map(|f| f.display().to_string()), &[Spectrum]),
-        ("--ring-directions", request.ring_directions.map(|n| n.to_string()), &[Radial]),
-        ("--sectors", request.sectors.map(|n| n.to_string()), waves),
-        ("--covariance-frequency", request.covariance_frequency.map(|b| b.to_string()), &[Covariance]),
-        ("--taper", request.taper.map(|t| t.to_string()), waves),
-        ("--tapers", request.tapers.map(|n| n.to_string()), waves),
-        ("--debias", request.debias.map(|d| d.to_string()), waves),
-        ("--convention", convention, of_convention),
-        ("--bug-compatible", request.bug_compatible.then(|| "(given)".into()), of_convention),
-    ];
-    for (flag, value, statistics) in settings {
-        if let Some(value) = value.filter(|_| !statistics.iter().any(|s| request.stats.contains(s))) {
-            let names: Vec<_> = statistics.iter().filter_map(clap::ValueEnum::to_possible_value).collect();
-            let names = match names.iter().map(|n| n.get_name()).collect::<Vec<_>>().as_slice() {
-                [others @ .., one, last] => [others, &[&format!("{one} or {last}")]].concat().join(", "),
-                names => names.join(""),
-            };
-            return Err(Error::setting(flag, value, format!("needs {names} among --stats")));
-        }
-    }
-    if let Some(path) = request.frequencies.as_ref().filter(|_| request.stats.contains(&Radial)) {
-        let reason = "a list of wave vectors has no rings; expected --stats spectrum without radial";
-        return Err(Error::setting("--frequencies", path.display(), reason));
-    }
-    if let Some(sectors) = request.sectors.filter(|_| request.frequencies.is_some()) {
-        return Err(Error::setting("--sectors", sectors, "a list of wave vectors has none; expected no --frequencies"));
-    }
-    if let Some(n) = request.ring_directions.filter(|_| request.stats.contains(&Spectrum)) {
-        let reason =
-            "leaves wave vectors out, which --stats spectrum asks for; expected --stats radial without spectrum";
-        return Err(Error::setting("--ring-directions", n, reason));
-    }
-    Ok(())
 }
 
 /// K counts from 0 on, and L compares it with balls.

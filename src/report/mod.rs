@@ -5,6 +5,7 @@
 
 mod color_map;
 mod covariance_image;
+mod curves;
 mod figure;
 mod headline;
 mod html;
@@ -15,6 +16,7 @@ mod picture_figure;
 mod pixels;
 mod plots;
 mod points_picture;
+mod progress;
 mod readout;
 mod spectrum_image;
 mod spectrum_numbers;
@@ -27,6 +29,7 @@ mod units;
 mod vector_image;
 
 pub use color_map::ColorMap;
+pub use curves::{Curve, Frame};
 pub use headline::headline;
 pub use panel::{Offers, Panel};
 pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};

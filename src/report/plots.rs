@@ -8,7 +8,7 @@ use super::figure::{
 use super::text::{escape, human, shortened};
 use super::units::FrequencyUnit;
 use crate::analysis::Analysis;
-use crate::estimate::{Envelope, ErrorSource, Normalization, SectorCorrelation};
+use crate::estimate::{Envelope, ErrorSource, Normalization, RadialSpectrum, SectorCorrelation};
 use crate::plan::{Convention, SmoothingKernel};
 
 pub(super) type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
@@ -312,15 +312,8 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     let rings = &radial.rings;
     let reference = radial.anisotropy_reference_db;
     let x = 0.0..rings.last()?.nu_hi;
-    let defined: Vec<f64> = rings.iter().filter_map(|r| r.anisotropy_db).filter(|a| a.is_finite()).collect();
-    let (lowest, highest) = extent(&defined).unwrap_or((reference, reference));
-    let (q_lo, q_hi) = (quantile(&defined, 0.03).unwrap_or(reference), quantile(&defined, 0.97).unwrap_or(reference));
-    // The first rings hold few modes and scatter by many dB; they may leave the frame, the rest may not.
-    let slack = (0.7 * (q_hi - q_lo)).max(1.5);
-    let lo = lowest.max(q_lo - slack).min(reference - 4.0);
-    let hi = highest.min(q_hi + slack).max(reference + 4.0);
-    let pad = 0.04 * (hi - lo);
-    let y = lo - pad..hi + pad;
+    let defined = defined_anisotropy(radial);
+    let y = anisotropy_range(radial);
     let outside = defined.iter().filter(|a| !y.contains(a)).count();
 
     let interval = |r: &crate::estimate::Ring| (r.nu_lo, r.nu, r.nu_hi);
@@ -358,6 +351,24 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
         layers,
     };
     Some(figure.svg())
+}
+
+fn defined_anisotropy(radial: &RadialSpectrum) -> Vec<f64> {
+    radial.rings.iter().filter_map(|r| r.anisotropy_db).filter(|a| a.is_finite()).collect()
+}
+
+/// The range of anisotropy that is drawn.
+pub(super) fn anisotropy_range(radial: &RadialSpectrum) -> Range<f64> {
+    let reference = radial.anisotropy_reference_db;
+    let defined = defined_anisotropy(radial);
+    let (lowest, highest) = extent(&defined).unwrap_or((reference, reference));
+    let (q_lo, q_hi) = (quantile(&defined, 0.03).unwrap_or(reference), quantile(&defined, 0.97).unwrap_or(reference));
+    // The first rings hold few modes and scatter by many dB; they may leave the frame, the rest may not.
+    let slack = (0.7 * (q_hi - q_lo)).max(1.5);
+    let lo = lowest.max(q_lo - slack).min(reference - 4.0);
+    let hi = highest.min(q_hi + slack).max(reference + 4.0);
+    let pad = 0.04 * (hi - lo);
+    lo - pad..hi + pad
 }
 
 /// G and F against r, with their bands, and what both are for a Poisson process.
@@ -477,7 +488,7 @@ pub(super) fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String
     }
 }
 
-fn extent(values: &[f64]) -> Option<(f64, f64)> {
+pub(super) fn extent(values: &[f64]) -> Option<(f64, f64)> {
     let first = *values.first()?;
     Some(values.iter().fold((first, first), |(lo, hi), &v| (lo.min(v), hi.max(v))))
 }

@@ -3,7 +3,7 @@
 //! `P(m) = n` where every `m_j` is a multiple of k (the Bragg peaks), 0 elsewhere, shifted or not; g is a sum of deltas.
 
 use super::stream::{stream, uniform};
-use super::{Accepts, Parameter, ParameterValues, Realization, Sampler, strata_per_axis, wrap};
+use super::{Accepts, Parameter, ParameterValues, Realization, Sampler, nearest_power, strata_per_axis, wrap};
 use crate::error::Result;
 
 pub(super) struct Grid;
@@ -28,6 +28,10 @@ impl Sampler for Grid {
 
     fn check(&self, n: u64, dim: usize, _values: &ParameterValues) -> Result<()> {
         strata_per_axis(n, dim, self.name()).map(drop)
+    }
+
+    fn nearest_size(&self, n: u64, dim: usize) -> u64 {
+        nearest_power(n, dim)
     }
 
     fn generate(&self, realization: &Realization, values: &ParameterValues) -> Result<Vec<f64>> {

@@ -14,7 +14,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use super::stream::{stream, uniform};
-use super::{ParameterValues, Realization, Sampler, sinc, strata_per_axis};
+use super::{ParameterValues, Realization, Sampler, nearest_power, sinc, strata_per_axis};
 use crate::error::Result;
 
 pub(super) struct Jittered;
@@ -33,6 +33,10 @@ impl Sampler for Jittered {
 
     fn check(&self, n: u64, dim: usize, _values: &ParameterValues) -> Result<()> {
         strata_per_axis(n, dim, self.name()).map(drop)
+    }
+
+    fn nearest_size(&self, n: u64, dim: usize) -> u64 {
+        nearest_power(n, dim)
     }
 
     fn generate(&self, realization: &Realization, values: &ParameterValues) -> Result<Vec<f64>> {

@@ -69,6 +69,11 @@ pub trait Sampler: Send + Sync {
         check_size(n, dim)
     }
 
+    /// The number of points nearest to `n` that can be asked for, as far as that depends on `dim` alone.
+    fn nearest_size(&self, n: u64, _dim: usize) -> u64 {
+        n.clamp(1, MAX_POINTS)
+    }
+
     /// The points of one realization: coordinates in [0, 1), point by point.
     fn generate(&self, realization: &Realization, values: &ParameterValues) -> Result<Vec<f64>>;
 
@@ -156,6 +161,13 @@ fn strata_per_axis(n: u64, dim: usize, name: &str) -> Result<u64> {
     Err(Error::setting("-n", n, reason))
 }
 
+/// The power `k^dim` nearest to `n`, of those that may be asked for.
+fn nearest_power(n: u64, dim: usize) -> u64 {
+    let root = (n.clamp(1, MAX_POINTS) as f64).powf(1.0 / dim as f64) as u64;
+    let powers = (root.saturating_sub(1)..=root + 1).map(|k| k.pow(dim as u32));
+    powers.filter(|p| (1..=MAX_POINTS).contains(p)).min_by_key(|p| p.abs_diff(n)).unwrap_or(1)
+}
+
 /// `x` folded into [0, 1). The remainder of a tiny negative number rounds to 1, which is 0 on a torus.
 fn wrap(x: f64) -> f64 {
     let f = x - x.floor();
@@ -166,4 +178,33 @@ fn wrap(x: f64) -> f64 {
 fn sinc(x: f64) -> f64 {
     let t = std::f64::consts::PI * x;
     if t.abs() < 1e-8 { 1.0 } else { t.sin() / t }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_sizes_can_be_asked_for() {
+        for sampler in registry() {
+            let values = ParameterValues::defaults(*sampler).unwrap();
+            for dim in 1..=3 {
+                for n in [0, 1, 2, 3, 26, 27, 28, 1000, 65_000, 99_999_999, MAX_POINTS, u64::MAX] {
+                    let nearest = sampler.nearest_size(n, dim);
+                    sampler.check(nearest, dim, &values).unwrap();
+                    // Nothing nearer can be.
+                    for nearer in
+                        n.saturating_sub(nearest.abs_diff(n).min(40)).max(1)..nearest.min(n.saturating_add(40))
+                    {
+                        let closer = nearer.abs_diff(n) < nearest.abs_diff(n);
+                        assert!(
+                            !closer || sampler.check(nearer, dim, &values).is_err(),
+                            "{} {n} {nearer}",
+                            sampler.name()
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

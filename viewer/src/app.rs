@@ -1,5 +1,7 @@
 //! The window: controls at the left, panels in the middle, what is going on at the bottom.
 
+use std::collections::BTreeMap;
+
 use eframe::egui;
 use pairwave::report::Panel;
 use pairwave::request::Request;
@@ -15,7 +17,7 @@ use crate::session::Wanted;
 use crate::set::{MOST_SETS, Set};
 use crate::view::{Theme, View};
 use crate::worker::Worker;
-use crate::{controls, help, session, status};
+use crate::{controls, fonts, help, session, status};
 
 /// The state of the window.
 pub struct Viewer {
@@ -25,16 +27,20 @@ pub struct Viewer {
     pub(crate) hover: Hover,
     pub(crate) paused: bool,
     pub(crate) help: bool,
+    /// Whether the status line has the time it took.
+    pub timings: bool,
     /// What came of files, sessions and exports.
     pub(crate) messages: Vec<Message>,
     pub(crate) controls: Controls,
     pub(crate) panels: Panels,
     pub(crate) exports: Exports,
     pub(crate) files: Box<dyn Files>,
+    has_fonts: bool,
     worker: Worker,
     next_id: SetId,
     /// What the worker was last asked for, by set.
-    asked: Vec<(SetId, Request)>,
+    asked: BTreeMap<SetId, Request>,
+    held: BTreeMap<SetId, bool>,
 }
 
 impl Viewer {
@@ -51,14 +57,17 @@ impl Viewer {
             hover: Hover::default(),
             paused: false,
             help: false,
+            timings: true,
             messages: Vec::new(),
             controls: Controls::default(),
             panels: Panels::default(),
             exports: Exports::default(),
             files,
+            has_fonts: false,
             worker: Worker::new(notify)?,
             next_id: 1,
-            asked: Vec::new(),
+            asked: BTreeMap::new(),
+            held: BTreeMap::new(),
         };
         viewer.add(request);
         Ok(viewer)
@@ -86,13 +95,20 @@ impl Viewer {
     }
 
     /// Adds a set and selects it; says so if there is no room.
-    pub(crate) fn add(&mut self, request: Request) {
+    pub fn add(&mut self, request: Request) {
         if self.sets.len() >= MOST_SETS {
             self.fail(format!("There is room for {MOST_SETS} sets: remove one first"));
             return;
         }
         let free = (0..MOST_SETS).find(|c| self.sets.iter().all(|s| s.color != *c));
-        self.sets.push(Set { id: self.next_id, color: free.unwrap_or(0), visible: true, request, snapshot: None });
+        self.sets.push(Set {
+            id: self.next_id,
+            color: free.unwrap_or(0),
+            visible: true,
+            cancelled: false,
+            request,
+            snapshot: None,
+        });
         self.next_id += 1;
         self.selected = self.sets.len() - 1;
     }
@@ -103,7 +119,7 @@ impl Viewer {
             self.worker.remove(set.id);
         }
         for (request, color, visible) in sets {
-            self.sets.push(Set { id: self.next_id, color, visible, request, snapshot: None });
+            self.sets.push(Set { id: self.next_id, color, visible, cancelled: false, request, snapshot: None });
             self.next_id += 1;
         }
         self.selected = selected;
@@ -117,16 +133,23 @@ impl Viewer {
         }
     }
 
+    /// Whether a panel is on the screen.
+    pub(crate) fn is_shown(&self, panel: Panel) -> bool {
+        match self.view.maximized {
+            Some(one) => one == panel,
+            None => self.view.panels.contains(&panel),
+        }
+    }
+
     /// What is asked of the worker for a set: what its request says, of the statistics that the panels show.
     pub(crate) fn wanted(&self, set: &Set) -> Request {
-        let shown = |p: &&Panel| self.view.maximized.is_none_or(|m| m == **p);
         let mut stats = Vec::new();
-        for statistic in self.view.panels.iter().filter(shown).flat_map(|p| p.statistics()) {
+        for statistic in Panel::ALL.iter().filter(|p| self.is_shown(**p)).flat_map(|p| p.statistics()) {
             if !stats.contains(statistic) {
                 stats.push(*statistic);
             }
         }
-        Request { stats, ..set.request.clone() }
+        set.request.only(&stats)
     }
 
     /// Tells the worker what changed, and takes what it found.
@@ -134,21 +157,23 @@ impl Viewer {
         self.worker.poll();
         for index in 0..self.sets.len() {
             let set = &self.sets[index];
-            if !set.visible {
-                continue;
+            let (id, wanted, held) = (set.id, self.wanted(set), set.cancelled || !set.visible);
+            if self.held.get(&id) != Some(&held) {
+                self.held.insert(id, held);
+                self.worker.hold(id, held);
             }
-            let (id, wanted) = (set.id, self.wanted(set));
-            if !self.asked.iter().any(|(of, request)| *of == id && *request == wanted) {
-                self.asked.retain(|(of, _)| *of != id);
-                self.asked.push((id, wanted.clone()));
+            if set.visible && self.asked.get(&id) != Some(&wanted) {
+                // Other settings start what was cancelled.
+                self.sets[index].cancelled = false;
+                self.asked.insert(id, wanted.clone());
                 self.worker.set(id, wanted);
             }
             if let Some(latest) = self.worker.latest(id) {
                 self.sets[index].snapshot = Some(latest);
             }
         }
-        let ids: Vec<SetId> = self.sets.iter().map(|s| s.id).collect();
-        self.asked.retain(|(id, _)| ids.contains(id));
+        self.asked.retain(|id, _| self.sets.iter().any(|s| s.id == *id));
+        self.held.retain(|id, _| self.sets.iter().any(|s| s.id == *id));
     }
 
     /// Takes what was chosen or written since the last frame.
@@ -186,13 +211,38 @@ impl Viewer {
         let settled = |s: &Snapshot| s.done || s.error.is_some();
         self.sets
             .iter()
-            .filter(|s| s.visible)
+            .filter(|s| s.visible && !s.cancelled)
             .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(s) && s.request == self.wanted(set)))
+    }
+
+    /// How things are shown.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Shows things otherwise.
+    pub fn set_view(&mut self, view: View) {
+        self.view = view;
+    }
+
+    /// What is asked for of each set.
+    pub fn requests(&self) -> impl Iterator<Item = &Request> {
+        self.sets.iter().map(|set| &set.request)
+    }
+
+    /// The latest of each set.
+    pub fn snapshots(&self) -> impl Iterator<Item = Option<&Snapshot>> {
+        self.sets.iter().map(|set| set.snapshot.as_deref())
     }
 
     /// Draws a frame.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
+        if !std::mem::replace(&mut self.has_fonts, true) {
+            fonts::install(&ctx);
+            ctx.request_repaint();
+            return;
+        }
         ctx.set_theme(match self.view.theme {
             Theme::System => egui::ThemePreference::System,
             Theme::Light => egui::ThemePreference::Light,

@@ -1,6 +1,6 @@
 //! What the worker does, without its thread: keeps a measurement per set, takes one step of one of them at a time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -28,6 +28,8 @@ pub struct Snapshot {
     pub done: bool,
     /// Why it stopped, if it did.
     pub error: Option<String>,
+    /// The flag of the setting that is to blame.
+    pub flag: Option<&'static str>,
     /// What computes, and why no GPU does.
     pub device: String,
     /// Counts the snapshots of all sets: pictures of an older one are stale.
@@ -38,6 +40,8 @@ pub struct Snapshot {
 #[derive(Default)]
 pub struct Engine {
     jobs: BTreeMap<SetId, Job>,
+    /// Sets that wait, with what they have.
+    held: BTreeSet<SetId>,
     devices: Vec<Device>,
     /// The set that the last step was of.
     last: SetId,
@@ -78,16 +82,26 @@ impl Engine {
     /// Forgets a set.
     pub fn remove(&mut self, id: SetId) {
         self.jobs.remove(&id);
+        self.held.remove(&id);
+    }
+
+    /// Leaves a set as it is, or goes on with it.
+    pub fn hold(&mut self, id: SetId, held: bool) {
+        if held {
+            self.held.insert(id);
+        } else {
+            self.held.remove(&id);
+        }
     }
 
     /// Whether there is anything to do.
     pub fn is_idle(&self) -> bool {
-        self.jobs.values().all(|job| job.idle)
+        self.next().is_none()
     }
 
     /// The set whose turn it is.
     pub fn next(&self) -> Option<SetId> {
-        let busy = || self.jobs.iter().filter(|(_, job)| !job.idle).map(|(&id, _)| id);
+        let busy = || self.jobs.iter().filter(|(id, job)| !job.idle && !self.held.contains(id)).map(|(&id, _)| id);
         busy().find(|&id| id > self.last).or_else(|| busy().next())
     }
 
@@ -102,7 +116,8 @@ impl Engine {
         self.generation += 1;
         let error = "an internal error stopped this set: a bug of pairwave; other settings start it again".to_string();
         let (generation, device) = (self.generation, String::new());
-        (id, Snapshot { request, analysis: None, status: None, done: false, error: Some(error), device, generation })
+        let (analysis, status, flag) = (None, None, None);
+        (id, Snapshot { request, analysis, status, done: false, error: Some(error), flag, device, generation })
     }
 
     /// One step of the set whose turn it is. What there is to show of it, when it is time to.
@@ -125,6 +140,10 @@ impl Engine {
                 status: running.map(Running::status),
                 done: matches!(more, Ok(false)),
                 error: more.as_ref().err().map(Error::to_string),
+                flag: match more {
+                    Err(Error::Setting { flag, .. }) => Some(flag),
+                    _ => None,
+                },
                 device: job.device.as_ref().map(|(_, text)| text.clone()).unwrap_or_default(),
                 generation: self.generation,
             }

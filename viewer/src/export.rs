@@ -280,11 +280,11 @@ impl Viewer {
     }
 
     /// What `pairwave analyze` must be asked for to find the numbers that the panels show of the selected set. With no statistic
-    /// shown, its own.
+    /// shown, those that are measured where none are named.
     fn taken(&self) -> Option<Request> {
         let set = self.sets.get(self.selected)?;
         let wanted = self.wanted(set);
-        Some(if wanted.stats.is_empty() { set.request.clone() } else { wanted })
+        Some(if wanted.stats.is_empty() { set.request.only(&Request::default().stats) } else { wanted })
     }
 
     /// The equivalent command, to the clipboard.

@@ -187,7 +187,7 @@ fn act(ctx: &egui::Context, viewer: &mut Viewer, action: Action, index: usize) {
         Action::Leave | Action::AllPanels => viewer.view.maximized = None,
         Action::Pause => viewer.pause(!viewer.paused),
         Action::Panel => viewer.view.maximized = Panel::ALL.get(index).copied(),
-        Action::ResetZoom => viewer.panels.reset(),
+        Action::ResetZoom => viewer.panels.reset_all(),
         Action::Theme => {
             viewer.view.theme = match viewer.view.theme {
                 Theme::System => Theme::Light,
@@ -198,7 +198,7 @@ fn act(ctx: &egui::Context, viewer: &mut Viewer, action: Action, index: usize) {
         Action::More => generated(viewer, |k, _| *k = k.saturating_mul(2).min(MOST_REALIZATIONS.max(*k))),
         Action::Fewer => generated(viewer, |k, _| *k = (*k / 2).max(1)),
         Action::Seed => generated(viewer, |_, seed| *seed = seed.wrapping_add(1)),
-        Action::Add => viewer.add(Viewer::first_request()),
+        Action::Add => add(viewer),
         Action::Duplicate => {
             if let Some(set) = viewer.sets.get(selected) {
                 viewer.add(set.request.clone());
@@ -211,6 +211,15 @@ fn act(ctx: &egui::Context, viewer: &mut Viewer, action: Action, index: usize) {
         Action::SaveSession => viewer.save_session(),
         Action::OpenSession => viewer.files.choose(Choice::Session),
         Action::CopyCommand => viewer.copy_command(ctx),
+    }
+}
+
+/// Adds a set of a sampler that no other set is of.
+fn add(viewer: &mut Viewer) {
+    let names = || pairwave::samplers::registry().into_iter().map(|sampler| sampler.name());
+    let other = |name: &&str| viewer.sets.iter().all(|set| set.request.input.sampler.as_deref() != Some(*name));
+    if let Some(name) = names().find(other).or_else(|| names().next()) {
+        viewer.add_sampler(name);
     }
 }
 

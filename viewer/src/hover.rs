@@ -48,6 +48,11 @@ impl Hover {
         changed
     }
 
+    /// What to mark along the first axis of a panel of curves.
+    pub(crate) fn along(&self, panel: Panel) -> Option<f64> {
+        if panel == Panel::Pcf { self.distance() } else { self.frequency() }
+    }
+
     /// The distance r to mark: of a bin or of a lag.
     pub(crate) fn distance(&self) -> Option<f64> {
         match self.place()? {

@@ -14,6 +14,7 @@ mod controls;
 pub mod engine;
 mod export;
 pub mod files;
+mod fonts;
 pub mod help;
 mod hover;
 mod messages;

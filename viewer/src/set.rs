@@ -15,8 +15,10 @@ pub(crate) struct Set {
     pub(crate) id: SetId,
     /// Which of the set colours it has.
     pub(crate) color: usize,
-    /// Whether it is drawn.
+    /// Whether it is drawn, and so measured.
     pub(crate) visible: bool,
+    /// Whether measuring it was cancelled: what is there stays.
+    pub(crate) cancelled: bool,
     /// What is asked for; statistics follow from the panels.
     pub(crate) request: Request,
     pub(crate) snapshot: Option<Arc<Snapshot>>,

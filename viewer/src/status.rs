@@ -1,11 +1,53 @@
 //! The line at the bottom: what computes, how far it is, and what was spared.
 
 use eframe::egui;
+use pairwave::report::Panel;
 
 use crate::app::Viewer;
 
-/// Draws the line.
+/// Draws the line, of the selected set.
 pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
-    let _ = viewer;
-    ui.label("");
+    ui.horizontal(|ui| {
+        let (sign, text) = if viewer.paused { ("▶", "Go on (Space)") } else { ("⏸", "Pause (Space)") };
+        if crate::controls::icon(ui, sign, text).clicked() {
+            viewer.pause(!viewer.paused);
+        }
+        let Some(set) = viewer.sets.get(viewer.selected) else { return };
+        let Some(snapshot) = set.snapshot.clone() else {
+            _ = ui.label("opening the device…");
+            return;
+        };
+        let (busy, cancelled) = (!snapshot.done && snapshot.error.is_none(), set.cancelled);
+        if busy || cancelled {
+            let (sign, text) = if cancelled {
+                ("↻", "Go on with this set")
+            } else {
+                ("⏹", "Cancel this set: what is there stays")
+            };
+            if crate::controls::icon(ui, sign, text).clicked() {
+                viewer.sets[viewer.selected].cancelled = !cancelled;
+            }
+        }
+        let Some(status) = &snapshot.status else {
+            ui.label(&snapshot.device);
+            return;
+        };
+        let state = match (viewer.paused, cancelled) {
+            (_, true) => "cancelled at ",
+            (true, _) if busy => "paused at ",
+            _ => "",
+        };
+        let progress = format!("{state}{}", status.progress());
+        let bar = egui::ProgressBar::new(status.fraction() as f32).desired_width(120.0).text(progress.as_str());
+        let bar = ui.add(bar);
+        bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &progress));
+        let hidden = Panel::ALL.iter().filter(|p| !viewer.is_shown(**p)).map(|p| p.name()).collect::<Vec<_>>();
+        let skipped = if hidden.is_empty() { String::new() } else { format!("not computed: {}", hidden.join(", ")) };
+        let time = if viewer.timings { status.time() } else { String::new() };
+        let parts = [&snapshot.device, &status.work(), &time, &status.spared(), &skipped];
+        let line = parts.into_iter().filter(|p| !p.is_empty()).cloned().collect::<Vec<_>>().join("  ·  ");
+        let seconds = |(stage, s): &(&str, f64)| format!("\n{stage}: {:.3} s", s);
+        let stages: String = status.timings.iter().map(seconds).collect();
+        ui.add(egui::Label::new(&line).truncate()).on_hover_text(format!("{line}{stages}"));
+    });
 }

@@ -65,6 +65,20 @@ pub enum Theme {
     Dark,
 }
 
+impl Theme {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::System, Self::Light, Self::Dark];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::System => "as the desktop",
+            Self::Light => "light",
+            Self::Dark => "dark",
+        }
+    }
+}
+
 impl Default for View {
     fn default() -> Self {
         Self {

@@ -29,6 +29,8 @@ struct Shared {
 struct Desk {
     /// `None`: to be forgotten.
     wishes: BTreeMap<SetId, Option<Request>>,
+    /// Sets to be left as they are, or to go on with.
+    holds: BTreeMap<SetId, bool>,
     results: BTreeMap<SetId, Arc<Snapshot>>,
     paused: bool,
     stopped: bool,
@@ -71,6 +73,16 @@ impl Worker {
         let mut desk = self.shared.desk();
         desk.wishes.insert(id, wish);
         if let Some((_, control)) = desk.step.as_ref().filter(|(of, _)| *of == id) {
+            control.cancel();
+        }
+        self.shared.wake.notify_one();
+    }
+
+    /// Leaves a set as it is, or goes on with it; a step under way is given up.
+    pub fn hold(&self, id: SetId, held: bool) {
+        let mut desk = self.shared.desk();
+        desk.holds.insert(id, held);
+        if let Some((_, control)) = desk.step.as_ref().filter(|(of, _)| held && *of == id) {
             control.cancel();
         }
         self.shared.wake.notify_one();
@@ -122,7 +134,7 @@ fn run(shared: &Shared) {
         let desk = shared.desk();
         let nothing = |desk: &mut Desk| {
             let to_measure = !desk.paused && !engine.is_idle();
-            !desk.stopped && desk.wishes.is_empty() && !to_measure
+            !desk.stopped && desk.wishes.is_empty() && desk.holds.is_empty() && !to_measure
         };
         let desk = shared.wake.wait_while(desk, nothing).unwrap_or_else(PoisonError::into_inner);
         if desk.stopped {
@@ -144,6 +156,9 @@ fn turn(shared: &Shared, engine: &mut Engine) {
                 Some(request) => engine.set(id, request),
                 None => engine.remove(id),
             }
+        }
+        for (id, held) in std::mem::take(&mut desk.holds) {
+            engine.hold(id, held);
         }
         if desk.paused {
             return;

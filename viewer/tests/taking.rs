@@ -381,7 +381,7 @@ fn special() -> Value {
             "panels": ["pcf", "vector"],
             "maximized": "vector",
             "side-by-side": true,
-            "length-unit": "packing",
+            "length-unit": "packing-distance",
             "frequency-unit": "sqrt-n",
             "r-scale": "log",
             "nu-scale": "log",
@@ -615,7 +615,7 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
             let arguments = &after["sets"][3]["arguments"];
             match action {
                 Action::Duplicate => assert_eq!(*arguments, before["sets"][1]["arguments"]),
-                _ => assert_eq!(*arguments, json!(Viewer::first_request().arguments())),
+                _ => assert!(arguments[1] != "thomas" && arguments[1] != "random", "{arguments}"),
             }
             assert_eq!(after["sets"][3]["color"], 1, "the free one");
             press(&mut window, modifiers, key);

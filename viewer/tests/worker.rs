@@ -158,6 +158,23 @@ fn settings_changed_a_thousand_times_end_where_the_last_one_says() {
 }
 
 #[test]
+fn dragged_settings_leave_nothing_behind() {
+    let (worker, told) = worker();
+    let mut seen = Vec::new();
+    for n in 100..300 {
+        let asked = request(&format!("--sampler random -n {n} -k 20 --stats pcf"));
+        worker.set(1, asked.clone());
+        let snapshot = wait(&worker, &told, 1, |s| s.request == asked && s.analysis.is_some());
+        seen.push((Arc::downgrade(&snapshot), Arc::downgrade(snapshot.analysis.as_ref().unwrap())));
+    }
+    wait(&worker, &told, 1, |s| s.done);
+    let kept = |(snapshot, analysis): &&(std::sync::Weak<Snapshot>, std::sync::Weak<Analysis>)| {
+        snapshot.strong_count() + analysis.strong_count() > 0
+    };
+    assert!(seen.iter().filter(kept).count() <= 1);
+}
+
+#[test]
 fn a_pause_stops_and_goes_on() {
     let (worker, told) = worker();
     let long = request("--sampler random -n 500 -k 3000 --stats pcf");
@@ -171,6 +188,21 @@ fn a_pause_stops_and_goes_on() {
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(done(&worker.latest(1).unwrap()), before);
     worker.pause(false);
+    assert_equal(&wait(&worker, &told, 1, |s| s.done), &long);
+}
+
+#[test]
+fn a_set_is_held_while_another_goes_on() {
+    let (worker, told) = worker();
+    let (long, short) =
+        (request("--sampler random -n 500 -k 3000 --stats pcf"), request("--sampler random -n 50 -k 3"));
+    worker.set(1, long.clone());
+    wait(&worker, &told, 1, |s| s.analysis.is_some());
+    worker.hold(1, true);
+    worker.set(2, short.clone());
+    assert_equal(&wait(&worker, &told, 2, |s| s.done), &short);
+    assert!(!worker.latest(1).unwrap().done);
+    worker.hold(1, false);
     assert_equal(&wait(&worker, &told, 1, |s| s.done), &long);
 }
 

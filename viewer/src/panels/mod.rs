@@ -7,6 +7,7 @@ mod points;
 use eframe::egui;
 use pairwave::report::Panel;
 
+use crate::colors;
 use crate::export::Exports;
 use crate::hover::Hover;
 use crate::set::Set;
@@ -25,14 +26,12 @@ pub(crate) struct Scene<'a> {
 /// What panels keep between frames.
 #[derive(Default)]
 pub(crate) struct Panels {
+    curves: curves::Curves,
     images: images::Images,
     points: points::Points,
 }
 
 impl Panels {
-    /// Everything is to be seen again: plots and pictures forget where they were zoomed and panned to.
-    pub(crate) fn reset(&mut self) {}
-
     /// All that are wanted, or the one that fills the window.
     pub(crate) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>) {
         let shown: Vec<Panel> = match scene.view.maximized {
@@ -61,6 +60,21 @@ impl Panels {
         ui.allocate_rect(area, egui::Sense::hover());
     }
 
+    /// Whether a person has chosen what is seen of a panel.
+    fn is_zoomed(&self, panel: Panel) -> bool {
+        self.curves.is_zoomed(panel)
+    }
+
+    /// Shows all of a panel again.
+    pub(crate) fn reset(&mut self, panel: Panel) {
+        self.curves.reset(panel);
+    }
+
+    /// Shows all of every panel again.
+    pub(crate) fn reset_all(&mut self) {
+        Panel::ALL.into_iter().for_each(|panel| self.reset(panel));
+    }
+
     /// A panel with its title and its buttons.
     fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
         let drawn = egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
@@ -77,6 +91,9 @@ impl Panels {
                     if crate::controls::icon(ui, sign, text).clicked() {
                         scene.view.maximized = if full { None } else { Some(panel) };
                     }
+                    if self.is_zoomed(panel) && crate::controls::icon(ui, "⟲", "Show all (double click)").clicked() {
+                        self.reset(panel);
+                    }
                     if let Some(set) = scene.sets.get(scene.selected) {
                         scene.exports.menu(ui, panel, set, scene.sets.len());
                     }
@@ -84,7 +101,7 @@ impl Panels {
             });
             match panel {
                 Panel::Points => self.points.show(ui, scene),
-                Panel::Pcf | Panel::Radial | Panel::Anisotropy => curves::show(ui, panel, scene),
+                Panel::Pcf | Panel::Radial | Panel::Anisotropy => self.curves.show(ui, panel, scene),
                 Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene),
             }
         });
@@ -100,4 +117,34 @@ fn columns(panels: usize, size: egui::Vec2) -> usize {
         (ratio / 1.2).ln().abs()
     };
     (1..=panels).min_by(|&a, &b| shape(a).total_cmp(&shape(b))).unwrap_or(1)
+}
+
+/// Texts in the colours of their sets, one beside the other in one line, whatever their number; (colour, text, all of it).
+fn colored_line(ui: &mut egui::Ui, texts: Vec<(usize, String, String)>) {
+    let dark = ui.visuals().dark_mode;
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let each = size.x / texts.len().max(1) as f32;
+    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.set_min_size(size);
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for (color, text, long) in texts {
+            let label = egui::Label::new(egui::RichText::new(text).small().color(colors::set(color, dark))).truncate();
+            ui.allocate_ui(egui::vec2(each, size.y), |ui| ui.add(label).on_hover_text(long));
+        }
+    });
+}
+
+/// Why there is nothing to draw: what the sets that are visible say, or `otherwise`.
+fn said_instead(ui: &mut egui::Ui, scene: &Scene<'_>, otherwise: &str) {
+    let mut sets = scene.sets.iter().filter(|set| set.visible).peekable();
+    let nothing_visible = sets.peek().is_none();
+    let error = sets.clone().find_map(|set| set.snapshot.as_ref()?.error.clone());
+    let waiting = sets.any(|set| set.analysis().is_none());
+    let (text, color) = match error {
+        Some(error) => (error, ui.visuals().error_fg_color),
+        None if nothing_visible => ("all sets are hidden".into(), ui.visuals().weak_text_color()),
+        None if waiting => ("measuring…".into(), ui.visuals().weak_text_color()),
+        None => (otherwise.to_string(), ui.visuals().weak_text_color()),
+    };
+    ui.centered_and_justified(|ui| ui.add(egui::Label::new(egui::RichText::new(text).color(color)).wrap()));
 }

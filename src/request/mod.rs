@@ -1,9 +1,11 @@
 //! What is asked for: one struct that the command line parses and the viewer edits, and the way back to a command line.
 //! `analysis` turns it into plans.
 
+mod setting;
+
 use std::path::PathBuf;
 
-use clap::{Args, Parser};
+use clap::{Arg, Args, Parser};
 use serde_json::{Map, Value};
 
 use crate::compute::DeviceChoice;
@@ -12,6 +14,8 @@ use crate::estimate::Normalization;
 use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
+
+pub use setting::Setting;
 
 /// A statistic of `--stats`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
@@ -259,33 +263,36 @@ impl Request {
     /// The request that these arguments of `pairwave analyze` make. Says what is wrong with them in one line.
     pub fn parse(arguments: impl IntoIterator<Item = String>) -> Result<Self> {
         let arguments: Vec<String> = arguments.into_iter().collect();
-        Typed::try_parse_from(&arguments).map(|typed| typed.request).map_err(|error| {
-            let text = error.render().to_string();
-            // The usage and the tips come after a blank line.
-            let what: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-            let what = what.join(" ");
-            Error::setting("pairwave analyze", shell_words(&arguments), what.trim_start_matches("error: "))
-        })
+        Typed::try_parse_from(&arguments)
+            .map(|typed| typed.request)
+            .map_err(|error| Error::setting("pairwave analyze", shell_words(&arguments), in_a_line(&error)))
     }
 
     /// The shortest arguments of `pairwave analyze` that make this request: what has its default is left out, and files
     /// come last.
     pub fn arguments(&self) -> Vec<String> {
-        let (settings, defaults) = (self.settings(), Self::default().settings());
         let command = Self::augment_args(clap::Command::new("analyze"));
+        self.arguments_with(&command, |_, values| values)
+    }
+
+    /// The arguments, each with other values than it has.
+    fn arguments_with(
+        &self,
+        command: &clap::Command,
+        values: impl Fn(&Arg, Vec<String>) -> Vec<String>,
+    ) -> Vec<String> {
+        let (settings, defaults) = (self.settings(), Self::default().settings());
         let (mut flags, mut files) = (Vec::new(), Vec::new());
         for argument in command.get_arguments() {
             let name = argument.get_id().as_str();
             let (Some(value), Some(default)) = (settings.get(name), defaults.get(name)) else { continue };
-            if value == default {
-                continue;
-            }
-            let mut values = texts(value);
+            let given = if value == default { Vec::new() } else { texts(value) };
+            let mut values = values(argument, given);
             if argument.is_positional() {
                 files = values;
                 continue;
             }
-            if let Some(delimiter) = argument.get_value_delimiter() {
+            if let Some(delimiter) = argument.get_value_delimiter().filter(|_| !values.is_empty()) {
                 values = vec![values.join(delimiter.encode_utf8(&mut [0; 4]))];
             }
             let long = format!("--{}", argument.get_long().unwrap_or(name));
@@ -329,6 +336,13 @@ impl Request {
             _ => Map::new(),
         }
     }
+}
+
+/// What clap says, without the usage and the tips, which come after a blank line.
+fn in_a_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let what: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    what.join(" ").trim_start_matches("error: ").to_string()
 }
 
 /// A setting as typed: none where it is unset, several where it is a list.

@@ -1,0 +1,172 @@
+//! g(r), P(nu) and anisotropy as polylines along two axes, and the frame that suits them.
+
+use super::Panel;
+use super::plots::{self, anisotropy_range, top_of};
+use super::units::{Axis, AxisScale};
+use crate::analysis::Analysis;
+
+/// A place on a panel, as drawn.
+pub type Drawn = [f64; 2];
+
+/// What a panel of curves draws of one analysis. Where a value is undefined, as the logarithm of 0 is, lines and bands break.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// The estimate.
+    pub line: Vec<Vec<Drawn>>,
+    /// One standard error on either side of it, (x, low, high); of anisotropy, what an isotropic spectrum scatters by. On a
+    /// logarithmic scale an end at or below 0 is at the bottom of the frame.
+    pub band: Vec<Vec<[f64; 3]>>,
+    /// The closed form, where there is one.
+    pub closed_form: Vec<Vec<Drawn>>,
+    /// What complete randomness would be: 1, or of anisotropy `-10 log10 K` dB.
+    pub reference: Option<f64>,
+    /// What to show of it.
+    pub frame: Frame,
+}
+
+/// The part of a plot that is seen, as drawn: (low, high) per axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// To the right.
+    pub x: [f64; 2],
+    /// Upward.
+    pub y: [f64; 2],
+}
+
+impl Frame {
+    /// One that shows both.
+    pub fn union(self, other: Self) -> Self {
+        let both = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self { x: both(self.x, other.x), y: both(self.y, other.y) }
+    }
+
+    /// This one where it still suits what is `wanted`, so that curves stand still while their errors shrink: x is the same, and
+    /// upward nothing wanted is cut off that does not fill three fifths of it.
+    pub fn kept(self, wanted: Self) -> Self {
+        let height = |frame: Self| frame.y[1] - frame.y[0];
+        let inside = self.y[0] <= wanted.y[0] && wanted.y[1] <= self.y[1];
+        if self.x == wanted.x && inside && height(wanted) >= 0.6 * height(self) { self } else { wanted }
+    }
+}
+
+/// A value at x with the two ends of its band, and its closed form.
+struct Sample {
+    x: f64,
+    value: Option<f64>,
+    band: Option<[f64; 2]>,
+    closed_form: Option<f64>,
+}
+
+impl Panel {
+    /// Its curve; `None` where the analysis has none, or the panel is none of curves.
+    pub fn curve(self, analysis: &Analysis, x: Axis, y: Axis) -> Option<Curve> {
+        let (samples, reference, range) = self.samples(analysis)?;
+        let drawn: Vec<f64> = samples.iter().filter_map(|s| x.forward(s.x)).collect();
+        let first = drawn.first()?;
+        let from_zero = x.scale() == AxisScale::Linear && samples[0].x >= 0.0;
+        let x_frame = [if from_zero { 0.0 } else { *first }, *drawn.last()?];
+        let y_frame = match y.scale() {
+            AxisScale::Linear => [y.in_unit(range[0]), y.in_unit(range[1])],
+            AxisScale::Log | AxisScale::Decibel => positive(&samples, y).unwrap_or([-1.0, 1.0]),
+        };
+        // A frame of no width would show nothing.
+        let wide = |[low, high]: [f64; 2]| if low < high { [low, high] } else { [low - 0.5, low + 0.5] };
+        let frame = Frame { x: wide(x_frame), y: wide(y_frame) };
+        let place = |at: f64, value: Option<f64>| Some([x.forward(at)?, y.forward(value?)?]);
+        let band = |s: &Sample| {
+            let [low, high] = s.band?;
+            let high = y.forward(high)?;
+            Some([x.forward(s.x)?, y.forward(low).unwrap_or(frame.y[0].min(high)), high])
+        };
+        Some(Curve {
+            line: pieces(samples.iter().map(|s| place(s.x, s.value))),
+            band: pieces(samples.iter().map(band)),
+            closed_form: pieces(samples.iter().map(|s| place(s.x, s.closed_form))),
+            reference: reference.and_then(|r| y.forward(r)),
+            frame,
+        })
+    }
+
+    /// Values with their x, what they are compared with, and the range that is drawn on a linear scale.
+    fn samples(self, analysis: &Analysis) -> Option<(Vec<Sample>, Option<f64>, [f64; 2])> {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let around = |value: f64, se: f64| (value.is_finite() && se.is_finite()).then_some([value - se, value + se]);
+        match self {
+            Self::Pcf => {
+                let pcf = analysis.pair_correlation.as_ref()?;
+                let closed = analysis.closed_form.g.as_deref().unwrap_or_default();
+                let samples = pcf.r.iter().enumerate().map(|(b, &x)| Sample {
+                    x,
+                    value: finite(pcf.g[b]),
+                    band: around(pcf.g[b], pcf.g_se[b]),
+                    closed_form: closed.get(b).copied(),
+                });
+                let values: Vec<_> = pcf.g.iter().copied().zip(pcf.g_se.iter().copied()).collect();
+                Some((samples.collect(), Some(1.0), [0.0, top_of(&values, closed)]))
+            }
+            Self::Radial => {
+                let radial = analysis.radial.as_ref()?;
+                let closed = analysis.closed_form.radial.as_deref().unwrap_or_default();
+                let samples = radial.rings.iter().enumerate().map(|(k, ring)| Sample {
+                    x: ring.nu,
+                    value: finite(ring.p),
+                    band: around(ring.p, ring.p_se),
+                    closed_form: closed.get(k).copied(),
+                });
+                let values: Vec<_> = radial.rings.iter().map(|r| (r.p, r.p_se)).collect();
+                Some((samples.collect(), Some(1.0), [0.0, top_of(&values, closed)]))
+            }
+            Self::Anisotropy if analysis.domain.dim() > 1 => {
+                let radial = analysis.radial.as_ref()?;
+                let reference = radial.anisotropy_reference_db;
+                let samples = radial.rings.iter().map(|ring| Sample {
+                    x: ring.nu,
+                    value: ring.anisotropy_db.and_then(finite),
+                    band: ring.anisotropy_db_se.and_then(|se| around(reference, se)),
+                    closed_form: None,
+                });
+                let range = anisotropy_range(radial);
+                Some((samples.collect(), Some(reference), [range.start, range.end]))
+            }
+            Self::Anisotropy | Self::Points | Self::Spectrum | Self::Vector => None,
+        }
+    }
+}
+
+/// The range of the positive values and closed forms, with complete randomness and some room.
+fn positive(samples: &[Sample], y: Axis) -> Option<[f64; 2]> {
+    let drawn =
+        samples.iter().flat_map(|s| [s.value, s.closed_form]).flatten().chain([1.0]).filter_map(|v| y.forward(v));
+    let (low, high) = plots::extent(&drawn.collect::<Vec<_>>())?;
+    let room = (0.05 * (high - low)).max(y.forward(1.3)?);
+    Some([low - room, high + room])
+}
+
+/// Runs of what is defined.
+fn pieces<T: Copy>(places: impl Iterator<Item = Option<T>>) -> Vec<Vec<T>> {
+    let places: Vec<Option<T>> = places.collect();
+    let runs = places.split(Option::is_none).filter(|run| !run.is_empty());
+    runs.map(|run| run.iter().flatten().copied().collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_stand_still_until_they_do_not_suit() {
+        let frame = |top: f64| Frame { x: [0.0, 1.0], y: [0.0, top] };
+        assert_eq!(frame(2.0).kept(frame(1.5)), frame(2.0));
+        assert_eq!(frame(2.0).kept(frame(1.0)), frame(1.0));
+        assert_eq!(frame(2.0).kept(frame(2.1)), frame(2.1));
+        let wider = Frame { x: [0.0, 2.0], ..frame(1.9) };
+        assert_eq!(frame(2.0).kept(wider), wider);
+        assert_eq!(frame(2.0).union(Frame { x: [-1.0, 0.5], y: [0.1, 3.0] }), Frame { x: [-1.0, 1.0], y: [0.0, 3.0] });
+    }
+
+    #[test]
+    fn what_is_undefined_breaks_a_line() {
+        let places = [Some(1), None, None, Some(2), Some(3), None];
+        assert_eq!(pieces(places.into_iter()), [vec![1], vec![2, 3]]);
+    }
+}

@@ -1,0 +1,168 @@
+//! Where the points of the selected set come from.
+
+use eframe::egui;
+use pairwave::request::Request;
+use pairwave::samplers::{Accepts, MAX_POINTS, Parameter, Sampler, find, registry};
+
+use super::{Controls, choice, of_sampler, refusal, row, setting};
+use crate::app::Viewer;
+use crate::set::Set;
+
+/// Settings of samplers, each with a control of its own.
+pub(super) const SETTINGS: [&str; 6] = ["sampler", "points", "realizations", "dim", "seed", "params"];
+
+/// Settings of files.
+pub(super) const OF_FILES: [(&str, &str); 6] = [
+    ("domain", "domain"),
+    ("sides", "box"),
+    ("window", "window"),
+    ("wrap", "fold points outside back in"),
+    ("raw", "raw numbers"),
+    ("weight_column", "weights"),
+];
+
+/// Draws the controls of the points.
+pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+    ui.heading("Points");
+    let Some(set) = viewer.sets.get_mut(viewer.selected) else { return };
+    let named = set.request.input.sampler.clone();
+    let mut name = named.as_deref().unwrap_or("files");
+    let mut all: Vec<&str> = registry().iter().map(|s| s.name()).collect();
+    if named.is_none() || !all.contains(&name) {
+        all.insert(0, name);
+    }
+    let help = find(name).map_or("Points from files", Sampler::summary);
+    if choice(ui, ("sampler", help), &mut name, &all, str::to_string) && name != "files" {
+        set.request = fitting(of_sampler(&set.request, name));
+    }
+    if set.request.input.sampler.is_some() {
+        sampler(ui, set);
+    } else {
+        files(ui, &mut viewer.controls, set);
+    }
+}
+
+/// The request with the number of points nearest to its own that its sampler takes.
+pub(super) fn fitting(mut request: Request) -> Request {
+    let input = &mut request.input;
+    if let Some(sampler) = input.sampler.as_deref().and_then(|name| find(name).ok()) {
+        input.points = input.points.map(|n| sampler.nearest_size(n, input.dim.unwrap_or(2)));
+    }
+    request
+}
+
+/// A whole number, dragged or typed. Whether it changed.
+fn number(
+    ui: &mut egui::Ui,
+    (name, help): (&str, &str),
+    value: &mut u64,
+    range: std::ops::RangeInclusive<u64>,
+) -> bool {
+    row(ui, name, help, |ui, label| {
+        // A drag of a hundred points doubles it, about.
+        let speed = (*value as f64 * 0.01).max(0.05);
+        let drag = egui::DragValue::new(value).range(range).speed(speed);
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        ui.add_sized(size, drag).labelled_by(label).on_hover_text(help).changed()
+    })
+}
+
+fn sampler(ui: &mut egui::Ui, set: &mut Set) {
+    let known = set.request.input.sampler.as_deref().and_then(|name| find(name).ok());
+    let input = &mut set.request.input;
+    let mut changed = false;
+    let mut n = input.points.unwrap_or(1024);
+    if number(
+        ui,
+        ("n", "Points per realization; the nearest number that the sampler takes\n-n"),
+        &mut n,
+        1..=MAX_POINTS,
+    ) {
+        input.points = Some(n);
+        changed = true;
+    }
+    let mut k = input.realizations.unwrap_or(1);
+    if number(ui, ("K", "Number of realizations: errors shrink with its root\n-k"), &mut k, 1..=10_000_000) {
+        input.realizations = Some(k);
+    }
+    let mut seed = input.seed.unwrap_or(1);
+    if number(ui, ("seed", "Other seeds make other points of the same kind\n--seed"), &mut seed, 0..=u64::MAX) {
+        input.seed = Some(seed).filter(|seed| *seed != 1);
+    }
+    let mut dim = input.dim.unwrap_or(2);
+    if choice(ui, ("dimension", "--dim"), &mut dim, &[1, 2, 3], |d| format!("{d}D")) {
+        input.dim = Some(dim).filter(|d| *d != 2);
+        changed = true;
+    }
+    for parameter in known.map_or(&[][..], |sampler| sampler.parameters()) {
+        self::parameter(ui, &mut input.params, parameter);
+    }
+    if changed {
+        set.request = fitting(set.request.clone());
+    }
+    let flag = set.snapshot.as_ref().and_then(|s| s.flag);
+    if matches!(flag, Some("-n" | "--param" | "--dim" | "-k" | "--sampler")) {
+        if let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref()) {
+            refusal(ui, error);
+        }
+    }
+}
+
+/// A parameter of a sampler; written into `params` unless it has its default.
+fn parameter(ui: &mut egui::Ui, params: &mut Vec<String>, parameter: &Parameter) {
+    let help = format!("{}: {}\n--param {}=", parameter.help, parameter.accepts, parameter.name);
+    let given = params.iter().find_map(|p| p.split_once('=').filter(|(key, _)| *key == parameter.name)).map(|(_, v)| v);
+    let value = given.unwrap_or(parameter.default).to_string();
+    let new = match parameter.accepts {
+        Accepts::OneOf(words) => {
+            let mut word = value.as_str();
+            choice(ui, (parameter.name, &help), &mut word, words, str::to_string).then(|| word.to_string())
+        }
+        Accepts::Above(low, high) | Accepts::Between(low, high) => row(ui, parameter.name, &help, |ui, label| {
+            let mut x = value.parse::<f64>().unwrap_or(low);
+            let speed = (x.abs() * 0.01).max(1e-3);
+            let drag = egui::DragValue::new(&mut x).range(low..=high).speed(speed).max_decimals(6);
+            let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+            ui.add_sized(size, drag).labelled_by(label).on_hover_text(&help).changed().then(|| x.to_string())
+        }),
+    };
+    if let Some(new) = new {
+        params.retain(|p| p.split_once('=').is_none_or(|(key, _)| key != parameter.name));
+        if new != parameter.default {
+            params.push(format!("{}={new}", parameter.name));
+        }
+    }
+}
+
+fn files(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set) {
+    let input = &mut set.request.input;
+    let mut removed = None;
+    for (index, file) in input.files.iter().enumerate() {
+        let path = file.display().to_string();
+        ui.horizontal(|ui| {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if input.files.len() > 1 && super::icon(ui, "✖", &format!("Leave out {path}")).clicked() {
+                    removed = Some(index);
+                }
+                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                    ui.add(egui::Label::new(&path).truncate()).on_hover_text(&path);
+                });
+            });
+        });
+    }
+    if let Some(index) = removed {
+        input.files.remove(index);
+    }
+    row(ui, "add a path", "A file or folder, added to this batch on Enter", |ui, label| {
+        let edit =
+            egui::TextEdit::singleline(&mut controls.path).hint_text("file or folder").desired_width(f32::INFINITY);
+        let edit = ui.add(edit).labelled_by(label);
+        if edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter)) && !controls.path.trim().is_empty() {
+            input.files.push(controls.path.trim().into());
+            controls.path.clear();
+        }
+    });
+    for (name, title) in OF_FILES {
+        setting(ui, controls, set, name, title);
+    }
+}
