@@ -117,6 +117,37 @@ fn panels_hand_out_the_files_of_the_report() {
 }
 
 #[test]
+fn panels_know_what_they_hand_out() {
+    let list = tempfile::NamedTempFile::new().unwrap();
+    fs::write(list.path(), "1,0\n2,3\n").unwrap();
+    let list = format!("--sampler random -n 50 -k 2 --stats spectrum --frequencies {}", list.path().display());
+    let mut found = Vec::new();
+    for arguments in [
+        &format!("--sampler random -n 20 -k 2 --dim 1 {STATS} --max-frequency 8"),
+        &format!("--sampler random -n 20 -k 2 {STATS} --max-frequency 8"),
+        &format!("--sampler random -n 20 -k 2 --dim 3 {STATS} --max-frequency 3"),
+        "--sampler random -n 20 -k 2 --stats radial --max-frequency 8",
+        "--sampler random -n 20 -k 2 --stats neighbors",
+        &list,
+    ] {
+        let analysis = analyze(arguments);
+        for panel in Panel::ALL {
+            let made = report::Offers {
+                svg: panel.svg(&analysis).unwrap().is_some(),
+                png: panel.png(&analysis).unwrap().is_some(),
+                csv: panel.csv(&analysis).unwrap().is_some(),
+                npy: panel.npy(&analysis).unwrap().is_some(),
+            };
+            assert_eq!(panel.offers(&analysis), made, "{panel:?} of {arguments}");
+            found.push(made);
+        }
+    }
+    for of in [|o: &report::Offers| o.svg, |o| o.png, |o| o.csv, |o| o.npy] {
+        assert!(found.iter().any(of) && !found.iter().all(of));
+    }
+}
+
+#[test]
 fn pictures_of_grids_are_well_formed_and_hold_their_picture() {
     for scene in [
         format!("--sampler jittered -n 64 -k 3 {STATS}"),

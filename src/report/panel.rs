@@ -31,6 +31,19 @@ pub enum Panel {
     Vector,
 }
 
+/// Which files of a panel an analysis has the data for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Offers {
+    /// `Panel::svg`.
+    pub svg: bool,
+    /// `Panel::png`.
+    pub png: bool,
+    /// `Panel::csv`.
+    pub csv: bool,
+    /// `Panel::npy`.
+    pub npy: bool,
+}
+
 /// Writes an array into a file.
 pub(super) type WriteArray<'a> = Box<dyn FnOnce(&mut dyn io::Write) -> io::Result<()> + 'a>;
 
@@ -98,6 +111,33 @@ impl Panel {
             Self::Spectrum => &[Statistic::Spectrum],
             Self::Vector => &[Statistic::PcfVector],
         }
+    }
+
+    /// What there is, without making it.
+    pub fn offers(self, analysis: &Analysis) -> Offers {
+        let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
+        let rings = analysis.radial.as_ref().is_some_and(|radial| !radial.rings.is_empty());
+        let plane = analysis.domain.dim() >= 2;
+        let png = match self {
+            Self::Spectrum => spectrum.is_some_and(|s| s.waves.grid().is_some()) && plane,
+            Self::Vector => analysis.vector.is_some() && plane,
+            _ => false,
+        };
+        let svg = match self {
+            Self::Points => true,
+            Self::Pcf => analysis.pair_correlation.as_ref().is_some_and(|pcf| !pcf.r.is_empty()),
+            Self::Radial => rings,
+            Self::Anisotropy => rings && plane,
+            Self::Spectrum | Self::Vector => png,
+        };
+        let csv = match self {
+            Self::Points => analysis.first.realizations() > 0 && analysis.first.points_in(0) > 0,
+            Self::Pcf => analysis.pair_correlation.is_some(),
+            Self::Radial | Self::Anisotropy => analysis.radial.is_some(),
+            Self::Spectrum => spectrum.is_some_and(|s| s.waves.grid().is_none()),
+            Self::Vector => false,
+        };
+        Offers { svg, png, csv, npy: self.array(analysis).is_some() }
     }
 
     /// The picture as SVG: for curves and points the bytes of the report's file, for the others that file with axes and a colour

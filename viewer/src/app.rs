@@ -11,7 +11,9 @@ use crate::engine::{SetId, Snapshot};
 use crate::export::Exports;
 use crate::files::Files;
 use crate::hover::Hover;
+use crate::messages::{self, Message};
 use crate::panels::{Panels, Scene};
+use crate::session::Wanted;
 use crate::set::{MOST_SETS, Set};
 use crate::view::{Theme, View};
 use crate::worker::Worker;
@@ -27,13 +29,15 @@ pub struct Viewer {
     pub(crate) help: bool,
     /// Whether the status line has the time it took.
     pub timings: bool,
-    /// What went wrong with a file, a session or an export; shown until it is closed.
-    pub(crate) messages: Vec<String>,
+    /// What came of files, sessions and exports.
+    pub(crate) messages: Vec<Message>,
     pub(crate) controls: Controls,
     pub(crate) panels: Panels,
     pub(crate) exports: Exports,
     pub(crate) files: Box<dyn Files>,
     has_fonts: bool,
+    /// What the window is called.
+    title: String,
     worker: Worker,
     next_id: SetId,
     /// What the worker was last asked for, by set.
@@ -62,6 +66,7 @@ impl Viewer {
             exports: Exports::default(),
             files,
             has_fonts: false,
+            title: String::new(),
             worker: Worker::new(notify)?,
             next_id: 1,
             asked: BTreeMap::new(),
@@ -80,10 +85,22 @@ impl Viewer {
         request
     }
 
+    /// A request that says what is to be done but not to which points, with points.
+    pub fn with_points(mut request: Request) -> Request {
+        let input = &mut request.input;
+        if input.files.is_empty() && input.sampler.is_none() {
+            let first = Self::first_request().input;
+            input.sampler = first.sampler;
+            input.points = input.points.or(first.points);
+            input.realizations = input.realizations.or(first.realizations);
+        }
+        request
+    }
+
     /// Adds a set and selects it; says so if there is no room.
     pub fn add(&mut self, request: Request) {
         if self.sets.len() >= MOST_SETS {
-            self.messages.push(format!("There is room for {MOST_SETS} sets: remove one first"));
+            self.fail(format!("There is room for {MOST_SETS} sets: remove one first"));
             return;
         }
         let free = (0..MOST_SETS).find(|c| self.sets.iter().all(|s| s.color != *c));
@@ -97,6 +114,18 @@ impl Viewer {
         });
         self.next_id += 1;
         self.selected = self.sets.len() - 1;
+    }
+
+    /// Shows these sets and no others; there must be at least one, and room for all.
+    pub(crate) fn replace_sets(&mut self, sets: Vec<Wanted>, selected: usize) {
+        for set in self.sets.drain(..) {
+            self.worker.remove(set.id);
+        }
+        for (request, color, visible) in sets {
+            self.sets.push(Set { id: self.next_id, color, visible, cancelled: false, request, snapshot: None });
+            self.next_id += 1;
+        }
+        self.selected = selected;
     }
 
     /// Removes a set; the last one stays.
@@ -150,6 +179,21 @@ impl Viewer {
         self.held.retain(|id, _| self.sets.iter().any(|s| s.id == *id));
     }
 
+    /// Names the window after what is in it.
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let names: Vec<String> = self.sets.iter().map(Set::name).collect();
+        let title = format!("{} - pairwave", names.join(", "));
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// Whether measuring is stopped.
+    pub fn is_paused(&self) -> bool {
+        self.paused
+    }
+
     /// Stops or goes on.
     pub(crate) fn pause(&mut self, paused: bool) {
         self.paused = paused;
@@ -200,14 +244,15 @@ impl Viewer {
         });
         self.exchange();
         help::shortcuts(&ctx, self);
-        self.take_dropped(&ctx);
+        self.take_files(&ctx);
+        self.name_window(&ctx);
         egui::Panel::bottom("status").show(ui, |ui| status::show(ui, self));
         egui::Panel::left("controls")
             .resizable(true)
             .default_size(248.0)
             .size_range(220.0..=420.0)
             .show(ui, |ui| egui::ScrollArea::vertical().show(ui, |ui| controls::show(ui, self)));
-        egui::CentralPanel::default().show(ui, |ui| {
+        let middle = egui::CentralPanel::default().show(ui, |ui| {
             let mut scene = Scene {
                 sets: &self.sets,
                 selected: self.selected,
@@ -218,6 +263,8 @@ impl Viewer {
             self.panels.show(ui, &mut scene);
         });
         help::show(&ctx, self);
+        messages::show(&ctx, self, middle.response.rect);
+        self.announce_drop(&ctx);
         self.carry_out_exports(&ctx);
         if self.hover.end_frame() {
             ctx.request_repaint();
@@ -229,17 +276,9 @@ impl eframe::App for Viewer {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         Self::ui(self, ui);
     }
-}
 
-/// Sessions are text that names every set by its command.
-impl Viewer {
-    /// The session as text.
-    pub fn session(&self) -> String {
-        session::write(self)
-    }
-
-    /// Takes a session; after an error nothing has changed.
-    pub fn open_session(&mut self, text: &str) -> Result<(), String> {
-        session::read(self, text)
+    /// Called when the window closes, and twice a minute.
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        storage.set_string(session::LAST, self.session());
     }
 }

@@ -1,24 +1,302 @@
-//! What is taken away: a panel as PNG, SVG, CSV or NPY, the equivalent command to the clipboard.
+//! What is taken away: a panel as a picture, a figure or numbers, and the equivalent command to the clipboard.
+
+use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::egui;
-use pairwave::report::Panel;
+use pairwave::analysis::Analysis;
+use pairwave::report::{Offers, Panel};
+use pairwave::request::Request;
 
 use crate::app::Viewer;
+use crate::help::{self, Action};
+use crate::set::Set;
+use crate::{colors, controls};
 
-/// Exports asked for in this frame.
+/// Something to take away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Take {
+    CopyPicture,
+    Shown,
+    Svg,
+    Png,
+    Csv,
+    Npy,
+    Command,
+}
+
+/// Where panels are, and what was asked for.
 #[derive(Default)]
-pub(crate) struct Exports {}
+pub(crate) struct Exports {
+    rects: Vec<(Panel, egui::Rect)>,
+    asked: Option<(Panel, Take)>,
+    shot: Option<Shot>,
+    /// The window, once it has been read back.
+    arrived: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
+}
+
+/// A picture of the window that is to be taken, or is under way.
+#[derive(Clone, Copy)]
+struct Shot {
+    panel: Panel,
+    take: Take,
+    /// Frames until it is taken: the menu is to be gone.
+    wait: Option<u32>,
+}
 
 impl Exports {
-    /// The menu of a panel.
-    pub(crate) fn menu(&mut self, ui: &mut egui::Ui, panel: Panel) {
-        let _ = (ui, panel);
+    /// Remembers where a panel is.
+    pub(crate) fn at(&mut self, panel: Panel, rect: egui::Rect) {
+        self.rects.retain(|(other, _)| *other != panel);
+        self.rects.push((panel, rect));
     }
+
+    /// The menu of a panel: what there is of the selected set, one of `count`.
+    pub(crate) fn menu(&mut self, ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) {
+        let button = controls::icon(ui, "📤", &format!("Take away {}", panel.name()));
+        egui::Popup::menu(&button).width(232.0).show(|ui| self.entries(ui, panel, set, count));
+    }
+
+    fn entries(&mut self, ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) {
+        let analysis = set.analysis();
+        let offers = analysis.map(|analysis| panel.offers(analysis));
+        heading(ui, panel, set, count);
+        ui.separator();
+        let mut entry = |ui: &mut egui::Ui, take: Take| {
+            let (text, about) = words(panel, take);
+            let there = match (take, &offers) {
+                (Take::CopyPicture | Take::Shown | Take::Command, _) => true,
+                (_, None) => false,
+                (take, Some(offers)) => offered(take, offers),
+            };
+            let mut button = egui::Button::new(text);
+            if take == Take::Command {
+                button = button.shortcut_text(help::keys(ui.ctx(), Action::CopyCommand));
+            }
+            let response = ui.add_enabled(there, button);
+            let response = response.on_hover_text(about).on_disabled_hover_text(why_not(panel, take, set));
+            if response.clicked() {
+                self.asked = Some((panel, take));
+                ui.close();
+            }
+        };
+        entry(ui, Take::CopyPicture);
+        entry(ui, Take::Shown);
+        ui.separator();
+        entry(ui, Take::Svg);
+        entry(ui, Take::Png);
+        entry(ui, Take::Csv);
+        entry(ui, Take::Npy);
+        ui.separator();
+        entry(ui, Take::Command);
+    }
+
+    /// Takes the picture of the window when it is time to.
+    fn shoot(&mut self, ctx: &egui::Context) {
+        let Some(wait) = self.shot.as_mut().and_then(|shot| shot.wait.as_mut()) else { return };
+        if *wait > 0 {
+            *wait -= 1;
+            ctx.request_repaint();
+            return;
+        }
+        if let Some(shot) = &mut self.shot {
+            shot.wait = None;
+        }
+        let (arrived, of) = (self.arrived.clone(), ctx.clone());
+        ctx.request_screenshot(move |image| {
+            *arrived.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
+            of.request_repaint();
+        });
+    }
+
+    /// The picture of a panel, once it is there.
+    fn picture(&mut self, ctx: &egui::Context) -> Option<(Panel, Take, Option<egui::ColorImage>)> {
+        let window = self.arrived.lock().unwrap_or_else(PoisonError::into_inner).take()?;
+        let Shot { panel, take, .. } = self.shot.take()?;
+        let rect = self.rects.iter().find(|(of, _)| *of == panel).map(|(_, rect)| *rect);
+        Some((panel, take, rect.and_then(|rect| crop(&window, rect, ctx.pixels_per_point()))))
+    }
+}
+
+/// Which set it is, and how far.
+fn heading(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) {
+    ui.horizontal(|ui| {
+        if count > 1 {
+            ui.colored_label(colors::set(set.color, ui.visuals().dark_mode), "⏺");
+        }
+        ui.label(format!("{} of {}", panel.name(), set.name()));
+    });
+    let Some(snapshot) = set.snapshot.as_deref().filter(|s| !s.done) else { return };
+    if let (Some(analysis), Some(status)) = (&snapshot.analysis, &snapshot.status) {
+        ui.weak(format!("{} of {} realizations so far", analysis.shape.realizations, status.total));
+    }
+}
+
+/// An entry and what it gives.
+fn words(panel: Panel, take: Take) -> (&'static str, &'static str) {
+    let points = panel == Panel::Points;
+    match take {
+        Take::CopyPicture => ("Copy picture", "This panel as it is on the screen, to the clipboard"),
+        Take::Shown => ("Picture as shown (PNG)", "This panel as it is on the screen, in its pixels"),
+        Take::Svg => ("Figure (SVG)", "As in the report of pairwave analyze: with axes, units and caption, for print"),
+        Take::Png => {
+            ("Picture (PNG)", "As in the report of pairwave analyze: a pixel or more per cell, in its colours")
+        }
+        Take::Csv if points => ("Numbers (CSV)", "Coordinates of the first realization"),
+        Take::Csv => ("Numbers (CSV)", "The file that pairwave analyze writes, with every error"),
+        Take::Npy => ("Numbers (NPY)", "The array that pairwave analyze writes, for NumPy"),
+        Take::Command => ("Copy the command", "The pairwave analyze that gives these numbers, to the clipboard"),
+    }
+}
+
+fn offered(take: Take, offers: &Offers) -> bool {
+    match take {
+        Take::Svg => offers.svg,
+        Take::Png => offers.png,
+        Take::Csv => offers.csv,
+        Take::Npy => offers.npy,
+        Take::CopyPicture | Take::Shown | Take::Command => true,
+    }
+}
+
+/// Why an entry gives nothing.
+fn why_not(panel: Panel, take: Take, set: &Set) -> String {
+    if set.analysis().is_none() {
+        let error = set.snapshot.as_ref().and_then(|s| s.error.as_ref());
+        return error.map_or_else(|| "Nothing is measured yet".into(), |e| format!("Nothing could be measured: {e}"));
+    }
+    let text = match (panel, take) {
+        (Panel::Points, Take::Csv) => "The first realization has no points",
+        (Panel::Spectrum, Take::Csv) => "P on a grid is an array: take the NPY",
+        (Panel::Vector, Take::Csv) => "g on a grid of lags is an array: take the NPY",
+        (Panel::Spectrum | Panel::Vector, Take::Svg | Take::Png) => {
+            "There is no picture in one dimension or of a list of frequencies"
+        }
+        (Panel::Spectrum, Take::Npy) => "A list of frequencies is a table: take the CSV",
+        (Panel::Points, Take::Npy) => "Points are a table: take the CSV",
+        (Panel::Points | Panel::Pcf | Panel::Radial | Panel::Anisotropy, Take::Png) => {
+            "Made of lines and dots: take the SVG, or the picture as shown"
+        }
+        (Panel::Pcf | Panel::Radial | Panel::Anisotropy, Take::Npy) => "Curves are a table: take the CSV",
+        _ => "It is not measured: this panel was not shown until now",
+    };
+    text.into()
+}
+
+/// A part of the window, to the nearest pixel; `None` where nothing of it is in the window.
+fn crop(window: &egui::ColorImage, rect: egui::Rect, pixels_per_point: f32) -> Option<egui::ColorImage> {
+    let pixel = |at: f32, most: usize| ((at * pixels_per_point).round().max(0.0) as usize).min(most);
+    let [width, height] = window.size;
+    let (x, y) = (pixel(rect.min.x, width), pixel(rect.min.y, height));
+    let (w, h) = (pixel(rect.max.x, width) - x, pixel(rect.max.y, height) - y);
+    (w > 0 && h > 0).then(|| window.region_by_pixels([x, y], [w, h]))
+}
+
+/// A picture as PNG; a window has no holes, so without an alpha channel.
+fn encode(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+    let rgb: Vec<u8> = image.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
+    let mut bytes = Vec::new();
+    let [width, height] = image.size.map(|side| side as u32);
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// The bytes of a file of the report.
+fn file(panel: Panel, take: Take, analysis: &Analysis) -> pairwave::Result<Option<Vec<u8>>> {
+    match take {
+        Take::Svg => Ok(panel.svg(analysis)?.map(String::into_bytes)),
+        Take::Png => panel.png(analysis),
+        Take::Csv => panel.csv(analysis),
+        Take::Npy => panel.npy(analysis),
+        Take::CopyPicture | Take::Shown | Take::Command => Ok(None),
+    }
+}
+
+/// The name of a file: that of the report, after the set where there are several.
+fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String {
+    let file = match take {
+        // The report has one table for both.
+        Take::Csv if panel == Panel::Anisotropy => format!("{}.csv", Panel::Radial.slug()),
+        Take::Svg => format!("{}.svg", panel.slug()),
+        Take::Csv => format!("{}.csv", panel.slug()),
+        Take::Npy => format!("{}.npy", panel.slug()),
+        Take::Png => format!("{}.png", panel.slug()),
+        Take::CopyPicture | Take::Shown | Take::Command => format!("{}_shown.png", panel.slug()),
+    };
+    if count == 1 {
+        return file;
+    }
+    let name = set.name();
+    let stem = std::path::Path::new(&name).file_stem().map_or(name.clone(), |s| s.to_string_lossy().into_owned());
+    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    format!("{}_{file}", stem.chars().map(plain).collect::<String>())
 }
 
 impl Viewer {
     /// Writes what was asked for.
     pub(crate) fn carry_out_exports(&mut self, ctx: &egui::Context) {
-        let _ = ctx;
+        match self.exports.asked.take() {
+            Some((_, Take::Command)) => self.copy_command(ctx),
+            Some((panel, take @ (Take::CopyPicture | Take::Shown))) => {
+                self.exports.shot = Some(Shot { panel, take, wait: Some(1) });
+            }
+            Some((panel, take)) => self.save_file(panel, take),
+            None => {}
+        }
+        self.exports.shoot(ctx);
+        if let Some((panel, take, image)) = self.exports.picture(ctx) {
+            self.take_picture(ctx, panel, take, image);
+        }
+    }
+
+    fn save_file(&mut self, panel: Panel, take: Take) {
+        let Some(set) = self.sets.get(self.selected) else { return };
+        let name = name(panel, take, set, self.sets.len());
+        match set.analysis().map(|analysis| file(panel, take, analysis)) {
+            Some(Ok(Some(bytes))) => self.files.save(&name, bytes),
+            Some(Err(error)) => self.fail(error.to_string()),
+            Some(Ok(None)) | None => self.fail(format!("{name}: there are no data for it any more")),
+        }
+    }
+
+    fn take_picture(&mut self, ctx: &egui::Context, panel: Panel, take: Take, image: Option<egui::ColorImage>) {
+        let Some(set) = self.sets.get(self.selected) else { return };
+        let name = name(panel, take, set, self.sets.len());
+        match image {
+            None => self.fail(format!("{} is not on the screen any more, so there is no picture of it", panel.name())),
+            Some(image) if take == Take::CopyPicture => {
+                ctx.copy_image(image);
+                self.note(format!("Copied the picture of {}", panel.name()));
+            }
+            Some(image) => match encode(&image) {
+                Ok(bytes) => self.files.save(&name, bytes),
+                Err(error) => self.fail(format!("{name}: {error}")),
+            },
+        }
+    }
+
+    /// What `pairwave analyze` must be asked for to find the numbers that the panels show of the selected set. With no statistic
+    /// shown, those that are measured where none are named.
+    fn taken(&self) -> Option<Request> {
+        let set = self.sets.get(self.selected)?;
+        let wanted = self.wanted(set);
+        Some(if wanted.stats.is_empty() { set.request.only(&Request::default().stats) } else { wanted })
+    }
+
+    /// The equivalent command, to the clipboard.
+    pub(crate) fn copy_command(&mut self, ctx: &egui::Context) {
+        let Some(request) = self.taken() else { return };
+        ctx.copy_text(request.command());
+        let mut paths = request.input.files.iter().chain(&request.edges).chain(&request.frequencies);
+        let relative = paths.any(|path| path.is_relative() && path.as_os_str() != "-");
+        let folder = std::env::current_dir().ok().filter(|_| relative);
+        self.note(match folder {
+            Some(folder) => format!("Copied the command; its paths start in {}", folder.display()),
+            None => "Copied the command".into(),
+        });
     }
 }

@@ -1,39 +1,74 @@
 //! pairwave-viewer opens the viewer. It takes the settings of `pairwave analyze`.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser, error::ErrorKind};
 use eframe::egui;
 use pairwave::request::Request;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::LocalFiles;
+use pairwave_viewer::session::{self, Session};
 
 /// How the samples of a pattern are correlated, live: points, g(r) and P(nu) with error bars while they are measured.
+///
+/// Without arguments it takes up where the last window ended; the first time it shows a jittered grid. Settings without
+/// points are those of a jittered grid.
 #[derive(Parser)]
 #[command(version, max_term_width = 120)]
 struct Arguments {
+    /// Open a session that the viewer saved
+    #[arg(long, value_name = "FILE", help_heading = "Session", conflicts_with_all = ["files", "sampler"])]
+    session: Option<PathBuf>,
+
+    /// Do not take up where the last window ended
+    #[arg(long, help_heading = "Session", conflicts_with = "session")]
+    fresh: bool,
+
     #[command(flatten)]
     request: Request,
 }
 
 fn main() -> ExitCode {
-    let request = Arguments::parse().request;
-    let asked = !request.input.files.is_empty() || request.input.sampler.is_some();
-    let request = if asked { request } else { Viewer::first_request() };
+    let Arguments { session, fresh, request } = Arguments::parse();
+    let asked = request != Request::default();
+    if asked && session.is_some() {
+        // A session has settings of its own.
+        let conflict = "--session FILE cannot be used with settings: they are in the session";
+        Arguments::command().error(ErrorKind::ArgumentConflict, conflict).exit();
+    }
+    let session = match session.map(|path| open(&path).map_err(|e| format!("{}: {e}", path.display()))).transpose() {
+        Ok(session) => session,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::from(2);
+        }
+    };
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("pairwave")
+            .with_app_id("pairwave-viewer")
             .with_inner_size([1280.0, 820.0])
             .with_min_inner_size([640.0, 420.0])
             .with_drag_and_drop(true),
         ..Default::default()
     };
     let opened = eframe::run_native(
-        "pairwave",
+        "pairwave-viewer",
         options,
-        Box::new(|creation| {
+        Box::new(move |creation| {
             let ctx = creation.egui_ctx.clone();
-            Ok(Box::new(Viewer::new(request, Box::new(LocalFiles), move || ctx.request_repaint())?))
+            let again = ctx.clone();
+            let notify = move || again.request_repaint();
+            let request = Viewer::with_points(request);
+            let mut viewer = Viewer::new(request, Box::new(LocalFiles::new(notify)), move || ctx.request_repaint())?;
+            let last = creation.storage.and_then(|storage| storage.get_string(session::LAST));
+            match (&session, last) {
+                (Some(session), _) => viewer.take_session(session)?,
+                (None, Some(last)) if !asked && !fresh => viewer.reopen(&last),
+                _ => {}
+            }
+            Ok(Box::new(viewer))
         }),
     );
     match opened {
@@ -44,4 +79,8 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn open(path: &std::path::Path) -> Result<Session, String> {
+    Session::parse(&std::fs::read_to_string(path).map_err(|e| e.to_string())?)
 }

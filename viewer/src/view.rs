@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything about the looks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct View {
     /// Panels that are shown, and so computed.
     pub panels: Vec<Panel>,

@@ -80,7 +80,7 @@ impl Chart<'_> {
     {
         let Self { panel, index, x, y, .. } = self;
         let size = ui.available_size();
-        let id = ui.id().with(("chart", panel.slug(), index));
+        let id = ui.scope_id().with(("chart", panel.slug(), index));
         // How large the inner part was, without axes.
         let inner = ui.data(|d| d.get_temp::<egui::Vec2>(id)).unwrap_or(size - egui::vec2(30.0, 20.0));
         let frame = if self.square { whole(self.frame, inner) } else { self.frame };
@@ -121,7 +121,7 @@ impl Chart<'_> {
         }
         if index > 0 || zoomed.is(panel) {
             // Those side by side are looked at together.
-            plot = plot.link_axis(egui::Id::new(panel.slug()), true);
+            plot = plot.link_axis(egui::Id::unique(panel.slug()), true);
         }
         let chosen = zoomed.is(panel);
         let shown = plot.show(ui, move |plot| {

@@ -69,7 +69,7 @@ impl Panels {
 
     /// A panel with its title and its buttons.
     fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
-        egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
+        let drawn = egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
             let room = ui.available_size() - egui::vec2(0.0, 48.0);
             ui.horizontal(|ui| {
@@ -83,7 +83,9 @@ impl Panels {
                         false => ("🗖", format!("Fill the window with {} (double click on the title)", panel.name())),
                     };
                     toggled |= crate::controls::icon(ui, sign, &text).clicked();
-                    scene.exports.menu(ui, panel);
+                    if let Some(set) = scene.sets.get(scene.selected) {
+                        scene.exports.menu(ui, panel, set, scene.sets.len());
+                    }
                     if self.zoomed.is(panel) && crate::controls::icon(ui, "⟲", "Show all (double click, R)").clicked()
                     {
                         self.zoomed.reset(panel);
@@ -106,6 +108,7 @@ impl Panels {
                 Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene, &mut self.zoomed),
             }
         });
+        scene.exports.at(panel, drawn.response.rect);
     }
 }
 

@@ -1,0 +1,100 @@
+//! What a person must know of files, sessions and exports: at the bottom right, until it is closed or old.
+
+use eframe::egui;
+
+use crate::app::Viewer;
+use crate::controls;
+
+/// Seconds that a note stays; errors stay until they are closed.
+const STAYS: f64 = 8.0;
+
+/// No more than this many: the oldest goes first.
+const MOST: usize = 20;
+
+/// A line or two.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Message {
+    pub(crate) text: String,
+    pub(crate) is_error: bool,
+    /// When it was first drawn, in seconds of the window's clock.
+    since: Option<f64>,
+}
+
+impl Viewer {
+    /// Says what went wrong; it stays until it is closed.
+    pub(crate) fn fail(&mut self, text: impl Into<String>) {
+        self.say(text.into(), true);
+    }
+
+    /// Says what was done; it goes by itself.
+    pub(crate) fn note(&mut self, text: impl Into<String>) {
+        self.say(text.into(), false);
+    }
+
+    fn say(&mut self, text: String, is_error: bool) {
+        // What is said again is said once, as the latest.
+        self.messages.retain(|m| m.text != text);
+        self.messages.push(Message { text, is_error, since: None });
+        let excess = self.messages.len().saturating_sub(MOST);
+        self.messages.drain(..excess);
+    }
+}
+
+/// Draws them into the lower right corner of the panels.
+pub(crate) fn show(ctx: &egui::Context, viewer: &mut Viewer, panels: egui::Rect) {
+    let now = ctx.input(|i| i.time);
+    viewer.messages.retain(|m| m.is_error || m.since.is_none_or(|since| now < since + STAYS));
+    if viewer.messages.is_empty() {
+        return;
+    }
+    let mut closed = None;
+    let width = (0.5 * panels.width()).clamp(240.0, 460.0);
+    egui::Area::new(egui::Id::unique("messages"))
+        .order(egui::Order::Foreground)
+        .pivot(egui::Align2::RIGHT_BOTTOM)
+        .fixed_pos(panels.max - egui::vec2(8.0, 8.0))
+        .constrain(true)
+        .show(ctx, |ui| {
+            egui::ScrollArea::vertical().max_height(0.5 * panels.height()).stick_to_bottom(true).show(ui, |ui| {
+                ui.set_width(width);
+                for (index, message) in viewer.messages.iter_mut().enumerate() {
+                    let since = *message.since.get_or_insert(now);
+                    if !message.is_error {
+                        let left = std::time::Duration::try_from_secs_f64(since + STAYS - now).unwrap_or_default();
+                        ctx.request_repaint_after(left);
+                    }
+                    if draw(ui, message) {
+                        closed = Some(index);
+                    }
+                }
+            });
+        });
+    if let Some(index) = closed {
+        viewer.messages.remove(index);
+        ctx.request_repaint();
+    }
+}
+
+/// Draws one; whether it is to be closed.
+fn draw(ui: &mut egui::Ui, message: &Message) -> bool {
+    let visuals = ui.visuals();
+    let (sign, color) = match message.is_error {
+        true => ("⚠", visuals.error_fg_color),
+        false => ("✔", visuals.weak_text_color()),
+    };
+    let frame = egui::Frame::popup(ui.style()).inner_margin(6).stroke(egui::Stroke::new(1.0, color));
+    let inner = frame.show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            ui.colored_label(color, sign);
+            let room = ui.available_width() - 26.0;
+            let text = ui.scope(|ui| {
+                ui.set_width(room);
+                ui.add(egui::Label::new(&message.text).wrap().selectable(true))
+            });
+            let live = if message.is_error { egui::accesskit::Live::Assertive } else { egui::accesskit::Live::Polite };
+            ui.ctx().accesskit_node_builder(text.inner.id, |node| node.set_live(live));
+            controls::icon(ui, "✖", "Close this message").clicked()
+        })
+    });
+    inner.inner.inner
+}
