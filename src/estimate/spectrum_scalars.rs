@@ -51,7 +51,7 @@ impl SpectrumScalars {
 }
 
 fn high_frequency(plan: &WavePlan, power: &WavePower, spacing: f64) -> Option<HighFrequency> {
-    let upper = plan.rings.count / 2..plan.rings.count;
+    let upper = plan.rings.upper();
     let range = [plan.rings.bounds.get(upper.start)?[0], plan.rings.bounds.last()?[2]];
     let total = |of: &[u64]| of[upper.clone()].iter().sum::<u64>() as f64;
     let (modes, independent) = (total(&plan.rings.modes), total(&plan.rings.independent) / plan.ring_variance());
