@@ -384,8 +384,9 @@ fn waves(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Wav
     };
     let waves = match (&request.frequencies, request.ring_directions) {
         (Some(path), _) => read_frequencies(path, domain)?.into(),
-        (None, Some(n)) => WaveList::ring_directions(domain, &frequencies, n)?.into(),
-        (None, None) => WaveVectors::from(WaveGrid::new(&frequencies)?),
+        // In 1D a ring is a pair of opposite wave vectors: any number of directions is all of them.
+        (None, Some(n)) if n == 0 || domain.dim() > 1 => WaveList::ring_directions(domain, &frequencies, n)?.into(),
+        (None, _) => WaveVectors::from(WaveGrid::new(&frequencies)?),
     };
     // Directions of what is not 2D are refused, in their own words; rings of others have none.
     let all_directions = domain.dim() == 2 && waves.grid().is_some() && request.convention == Convention::Ours;

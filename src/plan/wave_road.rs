@@ -161,3 +161,27 @@ impl fmt::Display for RoadEstimate {
         write!(f, "{} about {:.2e} s", self.road.name(), self.seconds)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::WaveList;
+
+    #[test]
+    fn what_is_no_road_says_why() {
+        let grid = |f: u32| WaveVectors::from(WaveGrid::new(&[f, f]).unwrap());
+        let why = |road: WaveRoad, waves: &WaveVectors, accuracy, costs: &WaveCosts| {
+            road.estimate(waves, accuracy, 1.0, 1000.0, costs).err()
+        };
+        let (fast, high, cpu) = (Accuracy::Fast, Accuracy::High, WaveCosts::CPU);
+        assert!(WaveRoad::ALL.iter().all(|&road| why(road, &grid(64), fast, &cpu).is_none()));
+        assert_eq!(why(WaveRoad::DirectF32, &grid(64), high, &cpu), Some("does not keep the promise"));
+        assert_eq!(why(WaveRoad::Nufft, &grid(64), fast, &WaveCosts::GPU), Some("is for the CPU alone"));
+        assert_eq!(why(WaveRoad::Nufft, &grid(11_000), high, &cpu), Some("does not fit into memory"));
+        let list = WaveList { dim: 2, vectors: vec![[1.0, 2.0, 0.0]], mirrored: false }.into();
+        for road in [WaveRoad::DirectF32, WaveRoad::Nufft] {
+            assert_eq!(why(road, &list, fast, &cpu), Some("is for grids, not for lists of wave vectors"));
+        }
+        assert_eq!(WaveRoad::alternatives(&list, fast, 1.0, 1000.0, &cpu).len(), 1);
+    }
+}
