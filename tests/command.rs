@@ -613,6 +613,21 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--max-frequency 1,2,3: expected 1 or 2 numbers for points with 2 coordinates",
         ),
+        (
+            "analyze ok.csv --box 1 --max-frequency 1,2",
+            1,
+            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis",
+        ),
+        (
+            "analyze --sampler random -n 9 --dim 1 --max-frequency 1,2",
+            2,
+            "--max-frequency 1,2: expected 1 number for points with 1 coordinate",
+        ),
+        (
+            "analyze --sampler random -n 9 --dim 1 --stats radial --sectors 4",
+            2,
+            "--sectors 4: directions are followed in 2D, the points are in 1D",
+        ),
         ("analyze ok.csv --max-frequency 100000000", 2, "--max-frequency 100000000: expected at most 4194304"),
         (
             "analyze three.txt --max-frequency 2000",
@@ -754,7 +769,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --stats spectrum --max-frequency 1 --convention psa",
             2,
-            "--max-frequency 1: --convention needs the same number for all axes, and at least 2",
+            "--max-frequency 1: --convention needs one number for all axes, and at least 2",
         ),
         ("analyze ok.csv --stats covariance --covariance-frequency 0", 2, "--covariance-frequency 0: expected 1 to 54"),
         (

@@ -133,7 +133,7 @@ impl WavePlan {
         let f = &grid.max_frequency()[..grid.dim()];
         if convention != Convention::Ours && (f.iter().any(|&k| k != f[0]) || f[0] < 2) {
             let given = f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-            let reason = "--convention needs the same number for all axes, and at least 2";
+            let reason = "--convention needs one number for all axes, and at least 2";
             return Err(Error::setting("--max-frequency", given, reason));
         }
         let rings = match convention.rings(grid, self.shape.max_points) {

@@ -49,7 +49,10 @@ impl WavePlan {
         let waves = waves.into();
         if let Some(grid) = waves.grid().filter(|grid| grid.dim() != domain.dim()) {
             let given = &grid.max_frequency()[..grid.dim()];
-            let reason = format!("expected 1 or {} numbers for points with {} coordinates", domain.dim(), domain.dim());
+            let reason = match domain.dim() {
+                1 => "expected 1 number for points with 1 coordinate".into(),
+                dim => format!("expected 1 or {dim} numbers for points with {dim} coordinates"),
+            };
             return Err(Error::setting("--max-frequency", numbers(given.iter().map(|&f| f64::from(f))), reason));
         }
         let rings = Rings::new(&waves, domain);
