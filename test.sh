@@ -7,21 +7,39 @@ vulkan_present() {
     ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json >/dev/null 2>&1 && ldconfig -p | grep -q 'libvulkan\.so\.1'
 }
 
+# install_missing WHAT VARIABLE TESTS PACKAGES...: installs packages, or says how to.
+install_missing() {
+    local what=$1 variable=$2 tests=$3 get="apt-get"
+    shift 3
+    [ $# -gt 0 ] || return 0
+    if ! command -v apt-get >/dev/null; then
+        echo "The tests need $what; install what Debian calls: $*" >&2
+        echo "or run without the $tests:  $variable=1 ./test.sh" >&2
+        exit 1
+    elif [ "$(id -u)" != 0 ]; then
+        if ! command -v sudo >/dev/null || ! sudo -n true 2>/dev/null; then
+            echo "The tests need $what. Type:  sudo apt-get install $*" >&2
+            echo "or run without the $tests:  $variable=1 ./test.sh" >&2
+            exit 1
+        fi
+        get="sudo DEBIAN_FRONTEND=noninteractive apt-get"
+    fi
+    $get update -q && DEBIAN_FRONTEND=noninteractive $get install -y -q --no-install-recommends "$@"
+}
+
 # The GPU kernels are tested on software Vulkan where there is no GPU.
 if [ "${PAIRWAVE_ALLOW_NO_GPU:-}" != 1 ] && ! vulkan_present; then
-    packages="mesa-vulkan-drivers libvulkan1"
-    if ! command -v apt-get >/dev/null; then
-        echo "The tests need a Vulkan driver; install Mesa's software Vulkan (lavapipe) and the Vulkan loader." >&2
-        exit 1
-    elif [ "$(id -u)" = 0 ]; then
-        apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $packages
-    elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
-        sudo apt-get update -q && sudo DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $packages
-    else
-        echo "The tests need software Vulkan. Type:  sudo apt-get install $packages" >&2
-        echo "or run without the GPU tests:  PAIRWAVE_ALLOW_NO_GPU=1 ./test.sh" >&2
-        exit 1
-    fi
+    install_missing "software Vulkan" PAIRWAVE_ALLOW_NO_GPU "GPU tests" mesa-vulkan-drivers libvulkan1
+fi
+# The viewer opens a real window in a virtual X server; winit loads the X libraries when it runs.
+if [ "${PAIRWAVE_ALLOW_NO_DISPLAY:-}" != 1 ]; then
+    packages="" libraries=$(ldconfig -p)
+    command -v Xvfb >/dev/null || packages="xvfb"
+    for library in libxkbcommon-x11.so.0:libxkbcommon-x11-0 libX11.so.6:libx11-6 libX11-xcb.so.1:libx11-xcb1 \
+        libXcursor.so.1:libxcursor1 libXi.so.6:libxi6 libXrender.so.1:libxrender1 libXfixes.so.3:libxfixes3; do
+        grep -qF "${library%%:*}" <<<"$libraries" || packages="$packages ${library##*:}"
+    done
+    install_missing "a virtual X server and its libraries" PAIRWAVE_ALLOW_NO_DISPLAY "window test" $packages
 fi
 # Mesa's device-select layer asks for this directory and complains on stderr without it.
 if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
@@ -39,3 +57,6 @@ cargo fmt --all --check
 cargo clippy --workspace --all-targets --profile test -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --document-private-items --profile test
 cargo test --workspace
+# The library and the command line need no GUI crate.
+tree=$(cargo tree -p pairwave -e normal,build,dev --prefix none)
+! grep -E '^(egui|eframe|winit|rfd)' <<<"$tree" || exit 1

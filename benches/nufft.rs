@@ -5,12 +5,14 @@
 //! `-- --points FILE --max-frequency F,F --tolerance E --out FILE` does one case: coordinates in [0, 1) as f64, point by
 //! point, in; the powers of the stored modes as f64 out. `benches/peers/spectra.py` compares them with other programs'.
 
-use std::time::Instant;
+mod common;
 
 use pairwave::compute::Control;
 use pairwave::compute::cpu::SimdLevel;
 use pairwave::compute::cpu::nufft::{Nufft, Points, Scratch};
 use pairwave::plan::WaveGrid;
+
+use common::{Clock, uniform};
 
 const REPETITIONS: usize = 8;
 
@@ -25,6 +27,7 @@ fn main() {
         let numbers: Vec<f64> = bytes.as_chunks().0.iter().map(|&b| f64::from_ne_bytes(b)).collect();
         let axis = |a: usize| numbers.iter().skip(a).step_by(f.len()).map(|x| (x * 2f64.powi(64)) as u64).collect();
         let axes: Vec<Vec<u64>> = (0..f.len()).map(axis).collect();
+        let axes: Vec<&[u64]> = axes.iter().map(Vec::as_slice).collect();
         let (ms, power) = measured(&axes, &f, tolerance.parse().expect("a tolerance"));
         let bytes: Vec<u8> = power.iter().flat_map(|p| p.to_ne_bytes()).collect();
         std::fs::write(out, bytes).expect("the powers");
@@ -43,8 +46,8 @@ fn main() {
         for tolerance in [1e-6, 1e-9, 1e-12] {
             let name = format!("{}D, n = {n}, |m| <= {}, tolerance {tolerance:e}", f.len(), f[0]);
             if words.iter().all(|word| name.contains(word)) {
-                let axes: Vec<Vec<u64>> = (0..f.len()).map(|a| uniform(n, a as u64)).collect();
-                let (ms, _) = measured(&axes, &f, tolerance);
+                let (ensemble, _) = uniform(f.len(), n, 1);
+                let (ms, _) = measured(&ensemble.fractions(0), &f, tolerance);
                 println!("{name:<52} {ms:>10.2} {:>14.2}", n as f64 * 1e-3 / ms);
             }
         }
@@ -52,42 +55,21 @@ fn main() {
 }
 
 /// The least time of a call, in milliseconds, and its powers.
-fn measured(axes: &[Vec<u64>], f: &[u32], tolerance: f64) -> (f64, Vec<f64>) {
+fn measured(axes: &[&[u64]], f: &[u32], tolerance: f64) -> (f64, Vec<f64>) {
     let grid = WaveGrid::new(f).expect("a grid");
     let nufft = Nufft::new(&grid, tolerance, axes[0].len() as f64, SimdLevel::detect()).expect("a plan");
-    let axes: Vec<&[u64]> = axes.iter().map(Vec::as_slice).collect();
-    let points = Points { axes: &axes, weights: None };
+    let points = Points { axes, weights: None };
     let (mut scratch, mut power) = (Scratch::default(), vec![0.0; grid.half_len()]);
     let mut best = f64::INFINITY;
     for _ in 0..REPETITIONS {
         // Long enough for the clock.
-        let (start, mut calls, mut seconds) = (processor_seconds(), 0.0, 0.0);
+        let (clock, mut calls, mut seconds) = (Clock::start(true), 0.0, 0.0);
         while seconds < 0.1 {
             nufft.power(&points, &mut scratch, None, &Control::default(), &mut power).expect("powers");
             calls += 1.0;
-            seconds = processor_seconds() - start;
+            seconds = clock.seconds();
         }
         best = best.min(1e3 * seconds / calls);
     }
     (best, power)
-}
-
-/// Of this thread; on the wall where the system does not tell.
-fn processor_seconds() -> f64 {
-    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = text.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| START.elapsed().as_secs_f64(), |ns| ns * 1e-9)
-}
-
-/// SplitMix64.
-fn uniform(n: usize, seed: u64) -> Vec<u64> {
-    let mut state = seed << 32;
-    let mut bits = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    (0..n).map(|_| bits()).collect()
 }

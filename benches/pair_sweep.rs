@@ -1,12 +1,13 @@
 //! Whether plans choose well: every search of a sweep of plans is run, and the chosen one compared with the fastest.
 //! Processor time of one thread, the best of several repetitions in turns.
 
-use std::time::Instant;
+mod common;
 
 use pairwave::compute::cpu::Cpu;
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{Correction, EnsembleShape, PairPlan, RadialBins, SearchCosts};
-use pairwave::points::{Domain, Ensemble, RawPoints};
+use pairwave::plan::{Correction, PairPlan, RadialBins, SearchCosts};
+
+use common::{Clock, uniform};
 
 fn main() {
     let Ok(cpu) = Cpu::new(Some(1)) else { return };
@@ -24,8 +25,7 @@ fn main() {
         (3, 100_000, 1),
         (1, 3000, 4),
     ] {
-        let ensemble = uniform(dim, n, k);
-        let shape = EnsembleShape { realizations: k as u64, mean_points: n as f64, max_points: n as u64 };
+        let (ensemble, shape) = uniform(dim, n, k);
         for r in [0.002, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45] {
             for bins in [32, 256, 2000] {
                 // Some seconds a search are no longer a sweep.
@@ -44,11 +44,11 @@ fn main() {
                 for _ in 0..5 {
                     for (time, estimate) in times.iter_mut().zip(&searches) {
                         let plan = PairPlan { search: estimate.search, ..plan.clone() };
-                        let start = seconds();
+                        let clock = Clock::start(true);
                         for _ in 0..runs {
                             assert!(cpu.pair_counts(&plan, &ensemble, &Control::default()).is_ok());
                         }
-                        *time = time.min((seconds() - start) / f64::from(runs));
+                        *time = time.min(clock.seconds() / f64::from(runs));
                     }
                 }
                 let chosen = searches.iter().position(|s| s.search == plan.search).map_or(f64::NAN, |c| times[c]);
@@ -74,35 +74,4 @@ fn main() {
         }
     }
     println!("worst ratio of chosen to best over {cases} cases: {worst:.3}");
-}
-
-/// Processor time of all threads of this process, or wall time where the system does not tell.
-fn seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    let by_processor = || {
-        let mut total = 0.0;
-        for task in std::fs::read_dir("/proc/self/task").ok()? {
-            let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
-            total += text.split(' ').next()?.parse::<f64>().ok()? * 1e-9;
-        }
-        Some(total)
-    };
-    by_processor().unwrap_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64())
-}
-
-fn uniform(dim: usize, n: usize, realizations: usize) -> Ensemble {
-    let mut state = 1u64;
-    let mut unit = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / 2f64.powi(53)
-    };
-    let sets: Vec<RawPoints> = (0..realizations)
-        .map(|_| RawPoints {
-            dim,
-            coordinates: (0..n * dim).map(|_| unit()).collect(),
-            source: "uniform".into(),
-            lines: Vec::new(),
-        })
-        .collect();
-    Ensemble::from_raw(&sets, &Domain::unit_torus(dim), false, 0).unwrap_or_else(|e| panic!("{e}"))
 }

@@ -3,17 +3,15 @@
 //! hardware ones by the clock on the wall), so that other load hardly matters; each is the best of several repetitions,
 //! and the calibrator runs between them.
 
+mod common;
 mod naive_spectrum;
-
-use std::time::Instant;
 
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
 use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
 use pairwave::compute::{Compute, Control};
-use pairwave::plan::{
-    Accuracy, Correction, EnsembleShape, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan, WaveRoad,
-};
-use pairwave::points::{Domain, Ensemble, RawPoints};
+use pairwave::plan::{Accuracy, Correction, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan, WaveRoad};
+
+use common::{Clock, uniform};
 
 const REPETITIONS: usize = 5;
 
@@ -47,7 +45,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
     let mut limit = calibrate(level);
     for (dim, bins) in [(2, 256), (2, 1024), (3, 256)] {
         let n = 10_000;
-        let ensemble = uniform(dim, n, 1);
+        let (ensemble, shape) = uniform(dim, n, 1);
         let name = |what: &str| format!("pairs {dim}D, n = {n}, r < 0.5, {bins} {what}bins");
         for (what, bins) in
             [("", RadialBins::linear(0.5, bins)), ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins))]
@@ -56,7 +54,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
             if !wanted(&name(what)) {
                 continue;
             }
-            let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape(&ensemble)) else { continue };
+            let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape) else { continue };
             let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
                 let counts = device.pair_counts(&plan, &ensemble, &Control::default());
                 assert!(counts.is_ok());
@@ -67,9 +65,9 @@ fn table(device: &dyn Compute, by_processor: bool) {
     for (dim, bins, lag_max) in [(2, 64, 0.5), (2, 256, 0.5), (2, 64, 0.05), (3, 64, 0.5)] {
         let n = 10_000;
         let name = format!("lags {dim}D, n = {n}, |h| < {lag_max}, {bins}^{dim} cells");
-        let ensemble = uniform(dim, n, 1);
+        let (ensemble, shape) = uniform(dim, n, 1);
         let Ok(grid) = LagGrid::new(ensemble.domain(), bins, Some(lag_max)) else { continue };
-        let Ok(plan) = LagPlan::new(ensemble.domain(), grid, Correction::None, None, shape(&ensemble)) else {
+        let Ok(plan) = LagPlan::new(ensemble.domain(), grid, Correction::None, None, shape) else {
             continue;
         };
         if !wanted(&name) {
@@ -87,9 +85,9 @@ fn table(device: &dyn Compute, by_processor: bool) {
         if !wanted(&name) {
             continue;
         }
-        let ensemble = uniform(dim, n, 1);
+        let (ensemble, shape) = uniform(dim, n, 1);
         let Ok(bins) = RadialBins::linear(r, bins) else { continue };
-        let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape(&ensemble)) else { continue };
+        let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape) else { continue };
         let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
             assert!(device.pair_counts(&plan, &ensemble, &Control::default()).is_ok());
         });
@@ -114,9 +112,9 @@ fn table(device: &dyn Compute, by_processor: bool) {
         if !wanted(&name) {
             continue;
         }
-        let ensemble = uniform(2, n, k);
+        let (ensemble, shape) = uniform(2, n, k);
         let Ok(grid) = WaveGrid::new(&[m as u32, m as u32]) else { continue };
-        let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape(&ensemble)) else { continue };
+        let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape) else { continue };
         // What a transform takes is no matter of multiply-adds.
         let plan = WavePlan { road: Some(road), ..plan };
         let gflop = gflop(n * k, m);
@@ -142,11 +140,11 @@ fn naive(gpu: &GpuCompute, adapter: usize, by_processor: bool) {
     if !wanted(&name) {
         return;
     }
-    let ensemble = uniform(2, n, 1);
+    let (ensemble, shape) = uniform(2, n, 1);
     let fraction = |axis: usize, j: usize| (ensemble.all_fractions(axis)[j] >> 40) as f32 / (1 << 24) as f32;
     let points: Vec<[f32; 2]> = (0..n).map(|j| [fraction(0, j), fraction(1, j)]).collect();
     let Ok(grid) = WaveGrid::new(&[m as u32, m as u32]) else { return };
-    let Ok(plan) = WavePlan::new(ensemble.domain(), grid, Accuracy::Fast, shape(&ensemble)) else { return };
+    let Ok(plan) = WavePlan::new(ensemble.domain(), grid, Accuracy::Fast, shape) else { return };
     let Ok(naive) = naive_spectrum::Naive::new(adapter, &points, m as u32) else { return };
     // Both compute the same thing.
     let (Ok(theirs), Ok(ours)) = (naive.run(), gpu.wave_power(&plan, &ensemble, &Control::default())) else { return };
@@ -176,7 +174,7 @@ fn best(level: SimdLevel, limit: &mut f64, by_processor: bool, amount: f64, work
     let mut best = 0.0;
     for _ in 0..REPETITIONS {
         // Long enough for the clock: at least 0.2 s.
-        let (mut done, start) = (0.0, Clock::now(by_processor));
+        let (mut done, start) = (0.0, Clock::start(by_processor));
         while start.seconds() < 0.2 {
             work();
             done += amount;
@@ -189,64 +187,11 @@ fn best(level: SimdLevel, limit: &mut f64, by_processor: bool, amount: f64, work
 
 /// GFLOP/s of f32 multiply-adds.
 fn calibrate(level: SimdLevel) -> f64 {
-    let (mut done, start) = (0.0, Clock::now(true));
+    let (mut done, start) = (0.0, Clock::start(true));
     while start.seconds() < 0.05 {
         let (gflop, value) = fma_gflop(level, std::hint::black_box(1_000_000));
         std::hint::black_box(value);
         done += gflop;
     }
     done / start.seconds()
-}
-
-/// Processor time of all threads of this process, or wall time where the system does not tell.
-struct Clock {
-    processor: Option<f64>,
-    wall: Instant,
-}
-
-impl Clock {
-    fn now(by_processor: bool) -> Self {
-        Self { processor: processor_seconds().filter(|_| by_processor), wall: Instant::now() }
-    }
-
-    fn seconds(&self) -> f64 {
-        match (self.processor, processor_seconds()) {
-            (Some(a), Some(b)) => b - a,
-            _ => self.wall.elapsed().as_secs_f64(),
-        }
-    }
-}
-
-fn processor_seconds() -> Option<f64> {
-    let mut total = 0.0;
-    for task in std::fs::read_dir("/proc/self/task").ok()? {
-        let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
-        total += text.split(' ').next()?.parse::<f64>().ok()? * 1e-9;
-    }
-    Some(total)
-}
-
-fn uniform(dim: usize, n: usize, realizations: usize) -> Ensemble {
-    let mut state = 1u64;
-    let mut unit = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / 2f64.powi(53)
-    };
-    let sets: Vec<RawPoints> = (0..realizations)
-        .map(|_| RawPoints {
-            dim,
-            coordinates: (0..n * dim).map(|_| unit()).collect(),
-            source: "uniform".into(),
-            lines: Vec::new(),
-        })
-        .collect();
-    Ensemble::from_raw(&sets, &Domain::unit_torus(dim), false, 0).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn shape(ensemble: &Ensemble) -> EnsembleShape {
-    EnsembleShape {
-        realizations: ensemble.realizations() as u64,
-        mean_points: ensemble.points_in(0) as f64,
-        max_points: ensemble.points_in(0) as u64,
-    }
 }

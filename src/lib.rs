@@ -47,6 +47,7 @@ pub mod points;
 pub mod report;
 pub mod request;
 pub mod samplers;
+mod sinc;
 pub mod source;
 
 pub use error::{Error, Result};

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::compute::Control;
-use crate::error::{Error, Result, numbers};
+use crate::error::{Error, Result, number, numbers};
 use crate::plan::EnsembleShape;
 use crate::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
 use crate::points::{Boundary, Domain, Ensemble, RawPoints};
@@ -63,6 +63,8 @@ pub struct Source {
     subject: String,
     domain: Domain,
     classes: Vec<String>,
+    /// The first weight below 0, and where it stands.
+    negative_weight: Option<(String, f64)>,
     kind: Kind,
 }
 
@@ -84,7 +86,13 @@ impl Source {
             }
             let domain = domain(request, dim)?;
             let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
-            return Ok(Self { subject, domain, classes: Vec::new(), kind: Kind::Process(process) });
+            return Ok(Self {
+                subject,
+                domain,
+                classes: Vec::new(),
+                negative_weight: None,
+                kind: Kind::Process(process),
+            });
         }
         only_for_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
@@ -102,6 +110,10 @@ impl Source {
         let marked = read_marked(&request.files, &options, &columns)?;
         let first = marked.first().ok_or_else(|| Error::input("points", "the files hold no realizations"))?;
         let domain = domain(request, first.points.dim)?;
+        let negative_weight = marked.iter().find_map(|set| {
+            let j = set.weights.iter().position(|&w| w < 0.0)?;
+            Some((set.points.place(j), set.weights[j]))
+        });
         let (ensemble, classes) = ensemble(marked, &domain, request)?;
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let subject = match names.as_slice() {
@@ -109,7 +121,7 @@ impl Source {
             [one, ..] => format!("{one} and {} more", names.len() - 1),
             [] => String::new(),
         };
-        Ok(Self { subject, domain, classes, kind: Kind::Loaded(ensemble) })
+        Ok(Self { subject, domain, classes, negative_weight, kind: Kind::Loaded(ensemble) })
     }
 
     /// What this is, in words.
@@ -139,10 +151,9 @@ impl Source {
     /// negligible.
     pub fn check_pair_weights(&self, column: &str) -> Result<()> {
         let Kind::Loaded(ensemble) = &self.kind else { return Ok(()) };
-        if let Some((k, j)) = ensemble.negative_weight() {
-            let reason =
-                format!("point {j} of realization {k} has a weight below 0: g and K need weights of at least 0");
-            return Err(Error::setting("--weight-column", column, reason));
+        if let Some((place, weight)) = &self.negative_weight {
+            let reason = format!("weight {}; g and K need weights of at least 0, P does not", number(*weight));
+            return Err(Error::input(place, reason));
         }
         let two = |k| ensemble.masses(k).is_none_or(|m| m.iter().filter(|&&u| u > 0).nth(1).is_some());
         if !(0..ensemble.realizations()).any(two) {

@@ -458,6 +458,13 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("words.txt", "0 0.1\nx\n");
     scratch.file("half.txt", "# m\n1 2\n0 1.5\n");
     scratch.file("huge.csv", "m_x,m_y\n3000000000,1\n");
+    scratch.file("nothing.txt", "# m\n\n");
+    scratch.file("five.txt", "5\n1 2\n");
+    scratch.file("below.csv", "x,y,w\n0.1,0.2,1\n0.3,0.9,-0.5\n");
+    let raw = |numbers: &[f64]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    std::fs::write(scratch.path("half.f64"), raw(&[1.0, 2.0, 1.5, 0.0])).unwrap();
+    std::fs::write(scratch.path("odd.f64"), raw(&[1.0, 2.0, 3.0])).unwrap();
+    std::fs::write(scratch.path("bytes"), [0, 1, 2, 255]).unwrap();
     std::fs::create_dir(scratch.path("taken")).unwrap();
     scratch.file("taken/summary.json", "{}");
     let table: &[(&str, i32, &str)] = &[
@@ -606,11 +613,26 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--max-frequency 1,2,3: expected 1 or 2 numbers for points with 2 coordinates",
         ),
+        (
+            "analyze ok.csv --box 1 --max-frequency 1,2",
+            1,
+            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis",
+        ),
+        (
+            "analyze --sampler random -n 9 --dim 1 --max-frequency 1,2",
+            2,
+            "--max-frequency 1,2: expected 1 number for points with 1 coordinate",
+        ),
+        (
+            "analyze --sampler random -n 9 --dim 1 --stats radial --sectors 4",
+            2,
+            "--sectors 4: directions are followed in 2D, the points are in 1D",
+        ),
         ("analyze ok.csv --max-frequency 100000000", 2, "--max-frequency 100000000: expected at most 4194304"),
         (
             "analyze three.txt --max-frequency 2000",
             2,
-            "--max-frequency 2000,2000,2000: 64048012001 wave vectors need about 1908 GiB; at most 536870912 are supported (rings alone: --stats radial --ring-directions N)",
+            "--max-frequency 2000: 64048012001 wave vectors need about 1908 GiB; at most 536870912 are supported (rings alone: --stats radial --ring-directions N)",
         ),
         (
             "analyze ok.csv --r-max 0.8 --beyond-half",
@@ -710,8 +732,46 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --stats spectrum --frequencies three.txt",
             1,
-            "three.txt:1: 3 coordinates per wave vector, but the points have 2; expected 2 numbers",
+            "three.txt:1: 3 numbers per wave vector, but the points have 2 coordinates",
         ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies nothing.txt",
+            1,
+            "nothing.txt: no wave vectors: only blank lines and comments",
+        ),
+        ("analyze ok.csv --stats spectrum --frequencies five.txt", 1, "five.txt:1: announces 5 wave vectors, found 1"),
+        (
+            "analyze ok.csv --stats spectrum --frequencies half.f64",
+            1,
+            "half.f64, wave vector 1: m_x = 1.5; expected an integer with magnitude below 2^31: cycles per side of the torus",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies odd.f64",
+            1,
+            "odd.f64: 24 bytes are not a whole number of f64x2 wave vectors of 16 bytes: 8 left over",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies bytes",
+            1,
+            "bytes: neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need a name that ends in .f32 or .f64",
+        ),
+        ("analyze ok.csv --stats spectrum --window 0,1,0,1 --tapers 0", 2, "--tapers 0: expected 1 to 64 per axis"),
+        (
+            "analyze ok.csv --stats spectrum --window 0,1,0,1 --tapers 2",
+            2,
+            "--tapers 2: needs --taper sine; Bartlett's taper is one",
+        ),
+        (
+            "analyze below.csv --weight-column w",
+            1,
+            "below.csv:3: weight -0.5; g and K need weights of at least 0, P does not",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --max-frequency 1 --convention psa",
+            2,
+            "--max-frequency 1: --convention needs one number for all axes, and at least 2",
+        ),
+        ("analyze ok.csv --stats covariance --covariance-frequency 0", 2, "--covariance-frequency 0: expected 1 to 54"),
         (
             "analyze ok.csv --stats pcf --frequencies half.txt",
             2,
@@ -784,6 +844,33 @@ fn quiet_is_silent_and_stdin_is_a_file() {
         .unwrap();
     assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
     assert!(std::fs::read_to_string(scratch.path("o/summary.json")).unwrap().contains("2"));
+}
+
+/// The smallest inputs: one point, one realization, rings of one pair.
+#[test]
+fn spectra_of_next_to_nothing() {
+    let scratch = Scratch::new();
+    scratch.file("one.csv", "0.3,0.4\n");
+    scratch.file("zero.csv", "0 0\n3 4\n0 0\n");
+    scratch.ok("analyze one.csv --stats spectrum --frequencies zero.csv --device cpu --out list");
+    let list = csv(&scratch.path("list/spectrum_list.csv"));
+    // P(0) is n wherever the point is; elsewhere the error of an exponential ordinate is its mean.
+    for (k, (p, se)) in column::<f64>(&list, "p").into_iter().zip(column::<f64>(&list, "p_se")).enumerate() {
+        let expected = if k == 1 { 1.0 } else { 0.0 };
+        assert!((p - 1.0).abs() < 1e-12 && (se - expected).abs() < 1e-12, "{p} +- {se}");
+    }
+    scratch.ok("analyze one.csv --stats spectrum --device cpu --out grid");
+    let summary = std::fs::read_to_string(scratch.path("grid/summary.json")).unwrap();
+    assert!(summary.contains("\"dc_p\": 1.0,\n    \"dc_p_se\": 0.0"), "{summary}");
+    scratch.ok("analyze one.csv --stats spectrum --convention psa --device cpu --out psa");
+    let summary = std::fs::read_to_string(scratch.path("psa/summary.json")).unwrap();
+    assert!(summary.contains("PSA's route are left out: they need pairs of points"), "{summary}");
+    // In one dimension rings are pairs, which the grid holds all.
+    let points = "analyze --sampler random -n 50 --dim 1 --stats radial --max-frequency 40 --device cpu";
+    scratch.ok(&format!("{points} --out whole"));
+    scratch.ok(&format!("{points} --ring-directions 1 --out few"));
+    let [whole, few] = ["whole", "few"].map(|name| csv(&scratch.path(&format!("{name}/spectrum_radial.csv"))));
+    assert_eq!(whole, few);
 }
 
 /// P at the wave vectors of a list is that of the grid, in the order of the list, with its bands; DC has none.

@@ -146,7 +146,7 @@ fn rings_are_those_counted_by_hand() {
     assert!(close(utk.rings[0].p, 6.0 / 9.0));
     assert!(close(utk.rings[1].nu, 2.0 / 2f64.sqrt()), "labels in units of sqrt(n)");
     assert_eq!(utk.rings[0].anisotropy_db, None);
-    assert_eq!(spectrum.dc(), Some((2.0, 2.0)));
+    assert_eq!(spectrum.dc(), Some((2.0, 0.0)), "P(0) does not scatter");
 
     let (_, _, pspec) = radial(&[pair()], 3, Convention::Pspec, false);
     assert!(close(pspec.rings[0].p, 0.5));

@@ -21,6 +21,12 @@ fn the_accuracy_table_holds_the_constants() {
 }
 
 #[test]
+fn the_tolerances_are_those_of_the_plan() {
+    let [fast, high] = [Accuracy::Fast, Accuracy::High].map(Accuracy::nufft_tolerance);
+    assert!(README.contains(&format!("(tolerance {fast:e} for `fast`, {high:e} for `high`")));
+}
+
+#[test]
 fn the_map_names_what_exists() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let map = README.split("```text").nth(1).unwrap().split("```").next().unwrap();

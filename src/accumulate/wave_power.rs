@@ -5,10 +5,9 @@ use crate::compute::ComputedBy;
 use crate::error::{Error, Result};
 use crate::plan::Rings;
 
-/// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveVectors`), and of its sums over rings, over
-/// sectors and over the upper half of the rings, with the second
-/// moments that their errors need. Each is compared with the norm `N = sum_j w_j^2` of its realization: n where every point
-/// weighs 1. The additions are ordered by realization index (`OrderedSum`).
+/// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveVectors`), and of its sums over rings, over sectors and
+/// over the upper half of the rings, with the second moments that their errors need. Each is compared with the norm
+/// `N = sum_j w_j^2` of its realization: n where every point weighs 1. The additions are ordered by realization index (`OrderedSum`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct WavePower {
     /// Who computed them.
@@ -81,7 +80,7 @@ impl WavePower {
         for ((&q, &sector), &times) in power.iter().zip(&rings.sectors.sector_of).zip(&rings.times) {
             sectors[sector as usize] += f64::from(times) * q.into();
         }
-        let upper: f64 = totals[1 + ring_count / 2..].iter().sum();
+        let upper: f64 = totals[1..][rings.upper()].iter().sum();
         let (moments, norms) = leaf.rings.split_at_mut(3 * groups);
         add_moments(moments, totals[1..].iter().chain(&sectors[1..]).copied().chain([upper]), norm);
         norms[0] += norm;
@@ -156,7 +155,7 @@ impl WavePower {
         self.group_totals(self.rings..self.rings + self.sectors)
     }
 
-    /// The totals of rings `count / 2 + 1` to `count` together: one value.
+    /// The totals of the upper half of the rings (`Rings::upper`) together: one value.
     pub fn upper_totals(&self) -> PowerMoments {
         self.group_totals(self.groups() - 1..self.groups())
     }

@@ -1,5 +1,6 @@
 //! Settings that say nothing about the statistics asked for: refused when typed, left out when a viewer hides a panel.
 
+use super::plan::axes;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::Convention;
 use crate::request::{Request, Statistic};
@@ -20,7 +21,6 @@ struct Given {
 }
 
 fn given(request: &Request) -> Vec<Given> {
-    let list = |f: &Vec<u32>| f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
     let lower = |text: String| text.to_lowercase();
     let yes = |on: bool| on.then(|| "(given)".to_string());
     let convention = (request.convention != Convention::Ours).then(|| request.convention.to_string());
@@ -53,7 +53,7 @@ fn given(request: &Request) -> Vec<Given> {
         ("--lag-rings", request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())), &[PcfVector], |r| {
             r.lag_rings = None
         }),
-        ("--max-frequency", request.max_frequency.as_ref().map(list), WAVES, |r| r.max_frequency = None),
+        ("--max-frequency", request.max_frequency.as_deref().map(axes), WAVES, |r| r.max_frequency = None),
         ("--frequencies", request.frequencies.as_ref().map(|f| f.display().to_string()), &[Spectrum], |r| {
             r.frequencies = None
         }),

@@ -25,7 +25,7 @@ use crate::estimate::{
     AmplitudeCovariance, CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation,
     PowerSpectrum, PsaStatistics, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
-use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, Taper, TaperPlan};
+use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, MAX_FREQUENCY, Taper, TaperPlan};
 use crate::points::{Domain, Ensemble};
 use crate::request::Request;
 use crate::source::Source;
@@ -238,7 +238,11 @@ fn analysis(request: &Request, source: &Source, measured: Measured<'_>, found: F
         let reach = grid.max_frequency()[0];
         let wanted = 5.0 * shape.mean_points.powf(1.0 / grid.dim() as f64);
         if source.domain().is_cubic() && f64::from(reach) < 0.9 * wanted {
-            warnings.push(format!("P reaches |m| = {reach} only, to bound its memory; --max-frequency asks for more"));
+            let why = match reach {
+                MAX_FREQUENCY => "the largest there is",
+                _ => "to bound its memory; --max-frequency asks for more",
+            };
+            warnings.push(format!("P reaches |m| = {reach} only, {why}"));
         }
     }
     if plan.waves.as_ref().and_then(|w| w.taper).is_some_and(|t| t.taper == Taper::Bartlett) {
@@ -302,9 +306,8 @@ fn analysis(request: &Request, source: &Source, measured: Measured<'_>, found: F
     let covariance = covariance.map(|(plan, sums)| AmplitudeCovariance::new(plan, sums));
     let psa = PsaStatistics::new(shape.max_points, &sums.psa);
     if request.convention == Convention::Psa && plan.waves.is_some() && psa.is_none() {
-        warnings.push(
-            "effective Nyquist frequency and oscillation by PSA's route are left out: too many sets or points".into(),
-        );
+        let why = if shape.max_points < 2 { "they need pairs of points" } else { "too many sets or points" };
+        warnings.push(format!("effective Nyquist frequency and oscillation by PSA's route are left out: {why}"));
     }
     let closed_form = match request.convention {
         Convention::Ours => closed_form(source, &plan, request.normalization, pair_correlation.as_ref()),

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::classes::Classes;
 use super::idle::refuse_idle_settings;
 use crate::compute::Compute;
-use crate::error::{Error, Result, number};
+use crate::error::{Error, Result, number, numbers};
 use crate::estimate::{Normalization, PsaStatistics};
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, CovariancePlan, DEFAULT_RINGS, DEFAULT_SECTORS,
@@ -119,32 +119,9 @@ impl Plan {
         let rings = lags.as_ref().map(|lags| rings(request, lags)).transpose()?.flatten();
         let bins = pairs.as_ref().map(|p| &p.bins);
         let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
-        let waves = if wants(Statistic::Spectrum) || wants(Statistic::Radial) {
-            let given = request.max_frequency.as_deref();
-            let frequencies = match (given, request.convention.max_frequency(shape.max_points)) {
-                (Some([f]), _) => vec![*f; domain.dim()],
-                (Some(each), _) => each.to_vec(),
-                (None, Some(f)) => vec![f; domain.dim()],
-                (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain),
-            };
-            let waves = match (&request.frequencies, request.ring_directions) {
-                (Some(path), _) => read_frequencies(path, domain)?.into(),
-                (None, Some(n)) => WaveList::ring_directions(domain, &frequencies, n)?.into(),
-                (None, None) => WaveVectors::from(WaveGrid::new(&frequencies)?),
-            };
-            // Directions of what is not 2D are refused, in their own words; rings of others have none.
-            let all_directions = domain.dim() == 2 && waves.grid().is_some() && request.convention == Convention::Ours;
-            let sectors = request.sectors.or(all_directions.then_some(DEFAULT_SECTORS));
-            let plan = WavePlan::new(domain, waves, request.accuracy, shape)?;
-            let plan =
-                plan.with_taper(taper(request, domain)?).with_convention(request.convention, request.bug_compatible)?;
-            Some(match sectors {
-                Some(count) => plan.with_sectors(count)?,
-                None => plan,
-            })
-        } else {
-            None
-        };
+        let waves = (wants(Statistic::Spectrum) || wants(Statistic::Radial))
+            .then(|| waves(request, domain, shape).map_err(|e| blame_frequencies(e, request)))
+            .transpose()?;
         let grid_wanted = wants(Statistic::Spectrum);
         let waves = waves.map(|w| WavePlan { rings_only: !grid_wanted && w.rings.count > 0, ..w });
         let covariance = wants(Statistic::Covariance)
@@ -337,6 +314,47 @@ fn blame_edges(error: Error, path: &Path) -> Error {
         Error::Setting { flag: "--edges" | "--bins", reason, .. } => Error::setting("--edges", path.display(), reason),
         other => other,
     }
+}
+
+/// The wave vectors a request asks for, with tapers, rings and sectors.
+fn waves(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<WavePlan> {
+    let frequencies = match (request.max_frequency.as_deref(), request.convention.max_frequency(shape.max_points)) {
+        (Some([f]), _) => vec![*f; domain.dim()],
+        (Some(each), _) => each.to_vec(),
+        (None, Some(f)) => vec![f; domain.dim()],
+        (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain),
+    };
+    let waves = match (&request.frequencies, request.ring_directions) {
+        (Some(path), _) => read_frequencies(path, domain)?.into(),
+        // In 1D a ring is a pair of opposite wave vectors: any number of directions is all of them.
+        (None, Some(n)) if n == 0 || domain.dim() > 1 => WaveList::ring_directions(domain, &frequencies, n)?.into(),
+        (None, _) => WaveVectors::from(WaveGrid::new(&frequencies)?),
+    };
+    // Directions of what is not 2D are refused, in their own words; rings of others have none.
+    let all_directions = domain.dim() == 2 && waves.grid().is_some() && request.convention == Convention::Ours;
+    let sectors = request.sectors.or(all_directions.then_some(DEFAULT_SECTORS));
+    let plan = WavePlan::new(domain, waves, request.accuracy, shape)?
+        .with_taper(taper(request, domain)?)
+        .with_convention(request.convention, request.bug_compatible)?;
+    match sectors {
+        Some(count) => plan.with_sectors(count),
+        None => Ok(plan),
+    }
+}
+
+/// An error about the frequencies of each axis, with what was typed.
+fn blame_frequencies(error: Error, request: &Request) -> Error {
+    match (error, &request.max_frequency) {
+        (Error::Setting { flag: flag @ "--max-frequency", reason, .. }, Some(typed)) => {
+            Error::setting(flag, axes(typed), reason)
+        }
+        (other, _) => other,
+    }
+}
+
+/// Frequencies as typed.
+pub(super) fn axes(frequencies: &[u32]) -> String {
+    numbers(frequencies.iter().map(|&f| f64::from(f)))
 }
 
 /// The lags a request asks for. Corrections that are only for g(r) are left to it.

@@ -1,4 +1,5 @@
 //! How good a blue-noise pattern is: effective Nyquist frequency and oscillations, from P itself (2D).
+//! See `docs/spectrum-scalars.md`.
 
 use super::{PowerSpectrum, RadialSpectrum};
 use crate::plan::WavePlan;
@@ -22,7 +23,7 @@ pub struct BlueNoise {
     /// `10 sqrt(2 pi integral (P - 1)^2 nu dnu / (pi (nu_1^2 - nu_0^2)))` over `[nu_0, nu_1]`, from where the running maximum of P
     /// reaches 0.98 over ten times `sqrt(lambda) / 2`, as far as the grid reaches: rings count of which it holds a quarter.
     /// Noise is part of it: for independent exponential ordinates its square is near
-    /// `100 / (pi K (nu_0 + nu_1))` in units of the fundamental. `None` where P never reaches 0.98.
+    /// `200 / (pi K |D| nu_f (nu_0 + nu_1))`, nu_f the fundamental. `None` where P never reaches 0.98.
     pub oscillation: Option<f64>,
     /// `[nu_0, nu_1]`, in cycles per unit length.
     pub oscillation_range: Option<[f64; 2]>,

@@ -1,4 +1,5 @@
 //! P -> diaphony, a discrepancy.
+//! See `docs/spectrum-scalars.md`.
 
 use super::PowerSpectrum;
 use crate::plan::WavePlan;

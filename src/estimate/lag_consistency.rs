@@ -5,6 +5,7 @@ use rustfft::{FftPlanner, num_complex::Complex};
 use super::{PowerSpectrum, VectorCorrelation};
 use crate::plan::EnsembleShape;
 use crate::points::Domain;
+use crate::sinc::sinc;
 
 /// Modes up to this part of the bins per axis are compared.
 const PART: usize = 4;
@@ -46,7 +47,6 @@ impl LagConsistency {
         }
         let transform = transform(&vector.count, bins, dim);
         let points = shape.mean_points * shape.realizations as f64;
-        let sinc = |x: f64| if x == 0.0 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
         let (mut modes, mut squares, mut aliasing) = (0, 0.0, 0.0);
         let (mut beyond, mut deviation) = (0.0, 0.0);
         for (index, &p) in spectrum.p.iter().enumerate().filter(|(index, _)| *index != grid.dc()) {

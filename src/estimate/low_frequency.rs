@@ -1,4 +1,5 @@
 //! How P behaves at low frequency: hyperuniformity index and exponent.
+//! See `docs/spectrum-scalars.md`.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::gamma::digamma;

@@ -15,7 +15,8 @@ pub struct PowerSpectrum {
     /// P per stored mode (half of a grid, see `WaveGrid`).
     pub p: Vec<f64>,
     /// Standard error per stored mode. Theory, for K = 1: a periodogram ordinate is exponential, so its standard error is
-    /// P itself; over the root of the number of tapers where P is their mean.
+    /// P itself; over the root of the number of tapers where P is their mean. Without tapers P(0) is the same wherever the
+    /// points are: its error is 0.
     pub p_se: Vec<f64>,
     /// Where `p_se` comes from.
     pub errors: ErrorSource,
@@ -32,14 +33,17 @@ impl PowerSpectrum {
         if let Some(dc) = plan.waves.dc().filter(|_| plan.dc_cleared()) {
             (p[dc], p_se[dc]) = (0.0, 0.0);
         }
-        Self {
-            waves: plan.waves.clone(),
-            p,
-            p_se,
-            errors: ErrorSource::of(power.realizations),
-            realizations: realizations(power),
-            ordinates: plan.tapers(),
+        let errors = ErrorSource::of(power.realizations);
+        if errors == ErrorSource::Theory && plan.tapered().is_none() {
+            match &plan.waves {
+                WaveVectors::Grid(grid) => p_se[grid.dc()] = 0.0,
+                WaveVectors::List(list) => {
+                    let zeros = p_se.iter_mut().zip(&list.vectors).filter(|(_, v)| **v == [0.0; 3]);
+                    zeros.for_each(|(se, _)| *se = 0.0);
+                }
+            }
         }
+        Self { waves: plan.waves.clone(), p, p_se, errors, realizations: realizations(power), ordinates: plan.tapers() }
     }
 
     /// P at a mode of the whole grid; `None` for a list.

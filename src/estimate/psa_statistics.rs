@@ -1,5 +1,6 @@
 //! Effective Nyquist frequency and oscillations by the road of the program PSA: not from P, but from a smoothed P that is the
 //! transform of the pair counts.
+//! See `docs/spectrum-scalars.md`.
 
 /// What PSA prints.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -1,4 +1,4 @@
-//! Numbers that sum up a power spectrum.
+//! Numbers that sum up a power spectrum. Definitions, ranges and sources: `docs/spectrum-scalars.md`.
 
 use super::confidence::Band;
 use super::low_frequency::LowFrequency;
@@ -7,7 +7,7 @@ use super::{BlueNoise, Diaphony, PowerSpectrum, RadialSpectrum};
 use crate::accumulate::WavePower;
 use crate::plan::WavePlan;
 
-/// Scalars of P; each is `None` where it is not defined.
+/// Scalars of P (`docs/spectrum-scalars.md`); each is `None` where it is not defined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectrumScalars {
     /// Effective Nyquist frequency and oscillations; 2D torus.
@@ -51,7 +51,7 @@ impl SpectrumScalars {
 }
 
 fn high_frequency(plan: &WavePlan, power: &WavePower, spacing: f64) -> Option<HighFrequency> {
-    let upper = plan.rings.count / 2..plan.rings.count;
+    let upper = plan.rings.upper();
     let range = [plan.rings.bounds.get(upper.start)?[0], plan.rings.bounds.last()?[2]];
     let total = |of: &[u64]| of[upper.clone()].iter().sum::<u64>() as f64;
     let (modes, independent) = (total(&plan.rings.modes), total(&plan.rings.independent) / plan.ring_variance());

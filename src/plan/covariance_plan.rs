@@ -32,9 +32,12 @@ impl CovariancePlan {
             let fits =
                 |b: &u32| self::bytes((2 * u128::from(*b) + 1).pow(dim as u32), shape.realizations) <= MOST_BYTES;
             let most = (1..).take_while(fits).last().unwrap_or(1);
-            let reason = format!(
-                "{modes} wave vectors, each with each, take {bytes} bytes; expected 1 to {most} ({MOST_BYTES} bytes at most)"
-            );
+            let reason = match largest {
+                0 => format!("expected 1 to {most}"),
+                _ => format!(
+                    "{modes} wave vectors, each with each, take {bytes} bytes; expected 1 to {most} ({MOST_BYTES} bytes at most)"
+                ),
+            };
             return Err(Error::setting("--covariance-frequency", largest, reason));
         }
         let grid = WaveGrid::new(&vec![largest; dim])?;

@@ -4,6 +4,7 @@
 
 use super::{WavePlan, WaveVectors};
 use crate::error::{Error, Result};
+use crate::sinc::{sin_pi, sinc};
 
 /// The taper of a window's spectrum. A taper t has `integral t^2 = 1`; here it is held as `f = t sqrt |W|`, the product over
 /// axes of functions of `u = x_k / L_k` with `integral f^2 du = 1`, x from the corner of the window.
@@ -72,16 +73,14 @@ impl Default for TaperPlan {
 impl TaperPlan {
     /// The first `orders` tapers per axis, for a window with `dim` axes.
     pub fn new(taper: Taper, orders: Option<usize>, debias: Debias, dim: usize) -> Result<Self> {
-        let orders = match (taper, orders) {
-            (_, None) => 1,
-            (Taper::Bartlett, Some(n)) => {
-                return Err(Error::setting("--tapers", n, "needs --taper sine; Bartlett's taper is one"));
-            }
-            (Taper::Sine, Some(n)) => n,
-        };
+        let given = orders.filter(|_| taper == Taper::Bartlett);
+        let orders = orders.unwrap_or(1);
         if !(1..=MAX_TAPERS).contains(&orders) || orders.pow(dim as u32) > MAX_TAPERS {
             let most = (1..=MAX_TAPERS).take_while(|n| n.pow(dim as u32) <= MAX_TAPERS).count();
             return Err(Error::setting("--tapers", orders, format!("expected 1 to {most} per axis")));
+        }
+        if let Some(n) = given {
+            return Err(Error::setting("--tapers", n, "needs --taper sine; Bartlett's taper is one"));
         }
         Ok(Self { taper, orders, debias })
     }
@@ -138,15 +137,7 @@ impl TaperPlan {
 
 /// `integral_0^1 exp(2 pi i x u) du = exp(i pi x) sin(pi x) / (pi x)`.
 fn integral(x: f64) -> [f64; 2] {
-    let sinc = if x == 0.0 { 1.0 } else { sin_pi(x) / (std::f64::consts::PI * x) };
-    [sin_pi(x + 0.5) * sinc, sin_pi(x) * sinc]
-}
-
-/// sin(pi x), exactly 0 at integers.
-fn sin_pi(x: f64) -> f64 {
-    let x = x - 2.0 * (x / 2.0).round();
-    let x = if x.abs() > 0.5 { 1f64.copysign(x) - x } else { x };
-    (std::f64::consts::PI * x).sin()
+    [sin_pi(x + 0.5) * sinc(x), sin_pi(x) * sinc(x)]
 }
 
 impl WavePlan {

@@ -49,7 +49,10 @@ impl WavePlan {
         let waves = waves.into();
         if let Some(grid) = waves.grid().filter(|grid| grid.dim() != domain.dim()) {
             let given = &grid.max_frequency()[..grid.dim()];
-            let reason = format!("expected 1 or {} numbers for points with {} coordinates", domain.dim(), domain.dim());
+            let reason = match domain.dim() {
+                1 => "expected 1 number for points with 1 coordinate".into(),
+                dim => format!("expected 1 or {dim} numbers for points with {dim} coordinates"),
+            };
             return Err(Error::setting("--max-frequency", numbers(given.iter().map(|&f| f64::from(f))), reason));
         }
         let rings = Rings::new(&waves, domain);
@@ -73,11 +76,13 @@ impl WavePlan {
 
     /// The roads there are for a realization of `n` points, with estimates.
     pub fn roads(&self, n: f64) -> Vec<RoadEstimate> {
-        let needed = match self.needed() {
-            Some(rings) => rings.iter().filter(|&&ring| ring > 0).count() as f64 / self.waves.len() as f64,
-            None => 1.0,
-        };
-        WaveRoad::alternatives(&self.waves, self.accuracy, needed, n, &self.costs)
+        WaveRoad::alternatives(&self.waves, self.accuracy, self.share(), n, &self.costs)
+    }
+
+    /// The part of the stored modes that is needed.
+    fn share(&self) -> f64 {
+        let in_rings = |rings: &[u32]| rings.iter().filter(|&&ring| ring > 0).count() as f64 / self.waves.len() as f64;
+        self.needed().map_or(1.0, in_rings)
     }
 
     /// The road of a realization of `n` points. It depends on nothing else of the ensemble, so that the parts of a batch,
@@ -133,20 +138,14 @@ impl fmt::Display for WavePlan {
         writeln!(f, "wave_power: {waves}, {} rings, {:.3e} flop", self.rings.count, self.flop())?;
         let accuracy = self.accuracy.name();
         writeln!(f, "  accuracy {accuracy}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points")?;
-        let (road, estimates) =
-            (self.road(self.shape.mean_points.round() as usize), self.roads(self.shape.mean_points));
-        writeln!(
-            f,
-            "  road: {} for {} points; on {}, one realization:",
-            road.name(),
-            self.shape.mean_points,
-            self.costs.device
-        )?;
-        for estimate in &estimates {
-            writeln!(f, "    {estimate}")?;
-        }
-        for road in WaveRoad::ALL.into_iter().filter(|road| estimates.iter().all(|e| e.road != *road)) {
-            writeln!(f, "    {} does not keep the promise, fit into memory, or exist there", road.name())?;
+        let (n, share) = (self.shape.mean_points, self.share());
+        let road = self.road(n.round() as usize).name();
+        writeln!(f, "  road: {road} for {n} points; on {}, one realization:", self.costs.device)?;
+        for road in WaveRoad::ALL {
+            match road.estimate(&self.waves, self.accuracy, share, n, &self.costs) {
+                Ok(estimate) => writeln!(f, "    {estimate}")?,
+                Err(why) => writeln!(f, "    {} {why}", road.name())?,
+            }
         }
         if let Some(taper) = &self.taper {
             writeln!(f, "  {taper}")?;

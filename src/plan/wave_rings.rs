@@ -87,6 +87,11 @@ impl Rings {
         Self { fundamental, count, bounds, ring_of, times, modes, independent, sectors: Sectors::default() }
     }
 
+    /// Indices of the upper half of the rings.
+    pub fn upper(&self) -> std::ops::Range<usize> {
+        self.count / 2..self.count
+    }
+
     /// No rings.
     pub fn none(fundamental: f64, stored: usize) -> Self {
         Self {

@@ -59,7 +59,7 @@ pub struct ProductCosts {
 const PANEL: f64 = 160.0;
 
 impl WaveCosts {
-    /// Fitted by hand to the times that `benches/wave_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512).
+    /// Fitted to the times that `benches/wave_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512).
     /// What a transform is planned in is left out: it is planned once for all realizations alike.
     pub const CPU: Self = Self {
         device: "the CPU, one thread",
@@ -92,25 +92,35 @@ impl WaveRoad {
         n: f64,
         costs: &WaveCosts,
     ) -> Vec<RoadEstimate> {
-        let estimate = |road, nanoseconds: f64| RoadEstimate { road, seconds: 1e-9 * nanoseconds };
-        let grid = match waves {
-            WaveVectors::List(list) => {
-                return vec![estimate(Self::DirectF64, n * list.vectors.len() as f64 * costs.term)];
+        Self::ALL.into_iter().filter_map(|road| road.estimate(waves, accuracy, share, n, costs).ok()).collect()
+    }
+
+    /// The estimate of one of them, or why it is none.
+    pub(super) fn estimate(
+        self,
+        waves: &WaveVectors,
+        accuracy: Accuracy,
+        share: f64,
+        n: f64,
+        costs: &WaveCosts,
+    ) -> Result<RoadEstimate, &'static str> {
+        let nanoseconds = match (self, waves) {
+            (Self::DirectF64, WaveVectors::List(list)) => n * list.vectors.len() as f64 * costs.term,
+            (_, WaveVectors::List(_)) => return Err("is for grids, not for lists of wave vectors"),
+            (Self::DirectF32, _) if accuracy != Accuracy::Fast => return Err("does not keep the promise"),
+            (Self::DirectF32, WaveVectors::Grid(grid)) => costs.f32.nanoseconds(grid, share, n),
+            (Self::DirectF64, WaveVectors::Grid(grid)) => costs.f64.nanoseconds(grid, share, n),
+            (Self::Nufft, WaveVectors::Grid(grid)) => {
+                let costs = costs.nufft.ok_or("is for the CPU alone")?;
+                let sizes = NufftSizes::new(grid, accuracy.nufft_tolerance(), Self::about(n))
+                    .map_err(|_| "has no kernel wide enough")?;
+                if sizes.bytes() > MEMORY_BUDGET as f64 {
+                    return Err("does not fit into memory");
+                }
+                costs.nanoseconds(&sizes, n)
             }
-            WaveVectors::Grid(grid) => grid,
         };
-        let mut found = Vec::new();
-        if accuracy == Accuracy::Fast {
-            found.push(estimate(Self::DirectF32, costs.f32.nanoseconds(grid, share, n)));
-        }
-        found.push(estimate(Self::DirectF64, costs.f64.nanoseconds(grid, share, n)));
-        if let (Some(costs), Ok(sizes)) =
-            (costs.nufft, NufftSizes::new(grid, accuracy.nufft_tolerance(), Self::about(n)))
-            && sizes.bytes() <= MEMORY_BUDGET as f64
-        {
-            found.push(estimate(Self::Nufft, costs.nanoseconds(&sizes, n)));
-        }
-        found
+        Ok(RoadEstimate { road: self, seconds: 1e-9 * nanoseconds })
     }
 
     /// The number of points that a transform of `n` is made for: a power of two, so that few are made.
@@ -149,5 +159,29 @@ impl ProductCosts {
 impl fmt::Display for RoadEstimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} about {:.2e} s", self.road.name(), self.seconds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::WaveList;
+
+    #[test]
+    fn what_is_no_road_says_why() {
+        let grid = |f: u32| WaveVectors::from(WaveGrid::new(&[f, f]).unwrap());
+        let why = |road: WaveRoad, waves: &WaveVectors, accuracy, costs: &WaveCosts| {
+            road.estimate(waves, accuracy, 1.0, 1000.0, costs).err()
+        };
+        let (fast, high, cpu) = (Accuracy::Fast, Accuracy::High, WaveCosts::CPU);
+        assert!(WaveRoad::ALL.iter().all(|&road| why(road, &grid(64), fast, &cpu).is_none()));
+        assert_eq!(why(WaveRoad::DirectF32, &grid(64), high, &cpu), Some("does not keep the promise"));
+        assert_eq!(why(WaveRoad::Nufft, &grid(64), fast, &WaveCosts::GPU), Some("is for the CPU alone"));
+        assert_eq!(why(WaveRoad::Nufft, &grid(11_000), high, &cpu), Some("does not fit into memory"));
+        let list = WaveList { dim: 2, vectors: vec![[1.0, 2.0, 0.0]], mirrored: false }.into();
+        for road in [WaveRoad::DirectF32, WaveRoad::Nufft] {
+            assert_eq!(why(road, &list, fast, &cpu), Some("is for grids, not for lists of wave vectors"));
+        }
+        assert_eq!(WaveRoad::alternatives(&list, fast, 1.0, 1000.0, &cpu).len(), 1);
     }
 }

@@ -26,7 +26,7 @@ impl Sectors {
     /// The sectors of a spectrum in two dimensions.
     pub fn new(count: usize, waves: &WaveVectors, rings: &Rings, domain: &Domain) -> Result<Self> {
         if domain.dim() != 2 {
-            let reason = format!("directions are followed in 2D, the points have {} coordinates", domain.dim());
+            let reason = format!("directions are followed in 2D, the points are in {}D", domain.dim());
             return Err(Error::setting("--sectors", count, reason));
         }
         if !(1..=MAX_SECTORS).contains(&count) {

@@ -226,13 +226,6 @@ impl Ensemble {
         self.weights(k).map_or(self.points_in(k) as f64, |w| w.iter().map(|w| w * w).sum())
     }
 
-    /// The first point (realization, point) whose weight is below 0.
-    pub fn negative_weight(&self) -> Option<(usize, usize)> {
-        let j = self.weights.as_ref()?.iter().position(|&w| w < 0.0)?;
-        let k = self.offsets.partition_point(|&o| o <= j) - 1;
-        Some((k, j - self.offsets[k]))
-    }
-
     /// Position of point `j` of realization `k` in the domain's own units.
     pub fn position(&self, k: usize, j: usize) -> Vec<f64> {
         let unit = self.domain.length_unit() / 2f64.powi(64);

@@ -18,6 +18,9 @@ const HEIGHT: u32 = 600;
 /// Backend pixels per px.
 const FINE: i32 = 10;
 
+/// Columns per px of which a curve shows four points at most: more cannot be told apart.
+const COLUMNS: f64 = 2.0;
+
 const LEFT: f64 = 84.0;
 const RIGHT: f64 = 872.0;
 const BOTTOM: f64 = 532.0;
@@ -99,6 +102,41 @@ pub(super) fn band_runs(
         _ => run.into_iter().map(|((_, x, _), a, b)| (x, a, b)).collect(),
     };
     all.into_iter().filter(|r| !r.is_empty()).map(points).collect()
+}
+
+/// A curve with the first, the lowest, the highest and the last point of every column that has more than four, so that its
+/// picture is the same and no larger than the frame.
+fn thinned_line(run: &[(f64, f64)], column: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let mut kept = Vec::new();
+    for part in run.chunk_by(|a, b| column(a.0) == column(b.0)) {
+        let by_height = |a: &usize, b: &usize| part[*a].1.total_cmp(&part[*b].1);
+        let all = 0..part.len();
+        match (all.clone().min_by(by_height), all.clone().max_by(by_height)) {
+            (Some(lowest), Some(highest)) if part.len() > 4 => {
+                let mut four = [0, lowest, highest, part.len() - 1];
+                four.sort_unstable();
+                kept.extend(four.map(|k| part[k]));
+            }
+            _ => kept.extend_from_slice(part),
+        }
+    }
+    kept
+}
+
+/// A band with two points for every column that has more than four, as wide as the widest there.
+fn thinned_band(run: &[(f64, f64, f64)], column: impl Fn(f64) -> f64) -> Vec<(f64, f64, f64)> {
+    let mut kept = Vec::new();
+    for part in run.chunk_by(|a, b| column(a.0) == column(b.0)) {
+        match part {
+            [first, _, _, _, .., last] => {
+                let lo = part.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+                let hi = part.iter().map(|p| p.2).fold(f64::NEG_INFINITY, f64::max);
+                kept.extend([(first.0, lo, hi), (last.0, lo, hi)]);
+            }
+            few => kept.extend_from_slice(few),
+        }
+    }
+    kept
 }
 
 impl Figure {
@@ -193,6 +231,7 @@ impl Figure {
             match layer {
                 Layer::Band { color, runs, .. } => {
                     for run in runs {
+                        let run = thinned_band(run, |x| (COLUMNS * self.px_x(x)).floor());
                         let there = run.iter().map(|&(x, lo, _)| (self.place(x), self.place_y(lo)));
                         let back = run.iter().rev().map(|&(x, _, hi)| (self.place(x), self.place_y(hi)));
                         let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
@@ -202,6 +241,7 @@ impl Figure {
                 Layer::Line { color, width, dashed, runs, .. } => {
                     let style = color.stroke_width(px(*width));
                     for run in runs {
+                        let run = thinned_line(run, |x| (COLUMNS * self.px_x(x)).floor());
                         let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
                         for piece in clipped_line(&run, &self.drawn_y()) {
                             if *dashed {
@@ -465,6 +505,29 @@ fn clipped_polygon(polygon: Vec<(f64, f64)>, strip: &Range<f64>) -> Vec<(f64, f6
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thinning_keeps_what_can_be_seen() {
+        let line: Vec<(f64, f64)> = (0..10_000).map(|k| (f64::from(k), f64::from(k * 7919 % 10_007))).collect();
+        let column = |x: f64| (x / 100.0).floor();
+        let kept = thinned_line(&line, column);
+        assert!(kept.len() <= 400 && kept.is_sorted_by_key(|p| p.0) && kept.iter().all(|p| line.contains(p)));
+        let band: Vec<(f64, f64, f64)> = line.iter().map(|&(x, y)| (x, y - 1.0, y + 1.0)).collect();
+        let kept_band = thinned_band(&band, column);
+        for (k, part) in line.chunks(100).enumerate() {
+            let of = |kept: &[(f64, f64)]| {
+                let there: Vec<f64> = kept.iter().filter(|p| column(p.0) == k as f64).map(|p| p.1).collect();
+                (there.iter().copied().fold(f64::INFINITY, f64::min), there.iter().copied().fold(0.0, f64::max))
+            };
+            let (lo, hi) = of(part);
+            assert_eq!(of(&kept), (lo, hi), "column {k}");
+            let two: Vec<_> = kept_band.iter().filter(|p| column(p.0) == k as f64).collect();
+            assert!(two.len() == 2 && two.iter().all(|p| (p.1, p.2) == (lo - 1.0, hi + 1.0)), "column {k}");
+        }
+        // Few points stay as they are.
+        assert_eq!(thinned_line(&line[..4], column), line[..4]);
+        assert_eq!(thinned_band(&band[..4], column), band[..4]);
+    }
 
     #[test]
     fn ticks_are_round_and_inside() {

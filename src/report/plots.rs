@@ -8,7 +8,7 @@ use super::figure::{
 use super::text::{escape, human, shortened};
 use super::units::FrequencyUnit;
 use crate::analysis::Analysis;
-use crate::estimate::{Envelope, ErrorSource, Normalization, RadialSpectrum, SectorCorrelation};
+use crate::estimate::{Envelope, ErrorSource, Normalization, RadialSpectrum};
 use crate::plan::{Convention, SmoothingKernel};
 
 pub(super) type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
@@ -221,21 +221,11 @@ pub(super) fn pcf_angular(analysis: &Analysis) -> Option<Svg> {
     let vector = analysis.vector.as_ref()?;
     let values: Vec<(f64, f64)> = vector.sectors.iter().filter_map(|s| Some((s.g?, s.g_se?))).collect();
     let ends: Vec<f64> = values.iter().flat_map(|&(g, se)| [g - se, g + se]).filter(|v| v.is_finite()).collect();
-    let (lowest, highest) = extent(&ends)?;
-    // 1 is part of the picture, and noise does not fill it.
-    let (lowest, highest) = (lowest.clamp(0.0, 0.98), highest.max(1.02));
-    let pad = 0.06 * (highest - lowest);
+    let y = about_one(&ends)?;
     let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let colors = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
     for (ring, color) in vector.sectors.chunk_by(|a, b| a.r == b.r).zip(colors.into_iter().cycle()) {
-        let degrees = |turn: f64| move |s: &SectorCorrelation| s.theta.map(|t| t.to_degrees() + turn);
-        let samples: Vec<_> = ring
-            .iter()
-            .map(|s| (degrees(0.0)(s), s))
-            // The first sector again, at the other end.
-            .chain(ring.first().map(|s| (degrees(180.0)(s), s)))
-            .map(|([lo, at, hi], s)| ((lo.max(0.0), at, hi.min(180.0)), s.g.zip(s.g_se)))
-            .collect();
+        let samples: Vec<_> = half_turn(ring, |s| s.theta).map(|(x, s)| (x, s.g.zip(s.g_se))).collect();
         let band = samples.iter().map(|&(x, y)| (x, y.map(|(g, se)| (g - se, g + se))));
         layers.push(Layer::Band { name: String::new(), color, runs: band_runs(band) });
         let name = format!("r = {}", human(ring[0].r[1]));
@@ -249,7 +239,7 @@ pub(super) fn pcf_angular(analysis: &Analysis) -> Option<Svg> {
         x_label: "direction θ of the lag (degrees from the x axis)".into(),
         y_label: "g(r, θ) (dimensionless)".into(),
         x: 0.0..180.0,
-        y: (lowest - pad).max(0.0)..highest + pad,
+        y,
         log_x: false,
         log_y: false,
         top: None,
@@ -486,6 +476,26 @@ pub(super) fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String
         Some((_, largest)) => format!(" · ▲ {} above the frame, up to {}", above.len(), human(largest)),
         None => String::new(),
     }
+}
+
+/// The directions of sectors in degrees, from 0 to 180: opposite directions are the same, so one about 0 is at both ends.
+pub(super) fn half_turn<S>(
+    sectors: &[S],
+    theta: impl Fn(&S) -> [f64; 3],
+) -> impl Iterator<Item = ((f64, f64, f64), &S)> {
+    let first = sectors.first().filter(|s| theta(s)[1] == 0.0).map(|s| (180.0, s));
+    sectors.iter().map(|s| (0.0, s)).chain(first).map(move |(turn, s)| {
+        let [lo, at, hi] = theta(s).map(|t| t.to_degrees() + turn);
+        ((lo.max(0.0), at, hi.min(180.0)), s)
+    })
+}
+
+/// The range of values about 1, which is part of the picture, and which noise does not fill.
+pub(super) fn about_one(values: &[f64]) -> Option<Range<f64>> {
+    let (lowest, highest) = extent(values)?;
+    let (lowest, highest) = (lowest.clamp(0.0, 0.98), highest.max(1.02));
+    let pad = 0.06 * (highest - lowest);
+    Some((lowest - pad).max(0.0)..highest + pad)
 }
 
 pub(super) fn extent(values: &[f64]) -> Option<(f64, f64)> {

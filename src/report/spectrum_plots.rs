@@ -1,7 +1,7 @@
 //! Pictures of P along axes and by direction.
 
 use super::figure::{BLUE, Figure, GREEN, Layer, VERMILION, band_runs, runs};
-use super::plots::{Svg, cut, mean_frequency, size, top_of};
+use super::plots::{Svg, about_one, cut, half_turn, mean_frequency, size, top_of};
 use crate::analysis::Analysis;
 use crate::estimate::{AxisMode, Band, SectorPower};
 
@@ -53,22 +53,15 @@ pub(super) fn axes(analysis: &Analysis) -> Option<Svg> {
 /// degrees are all.
 pub(super) fn angular(analysis: &Analysis) -> Option<Svg> {
     let sectors = &analysis.details.as_ref()?.angular.as_ref()?.sectors;
-    let degrees = |s: &SectorPower, turn: f64| {
-        let [lo, at, hi] = s.theta.map(|t| t.to_degrees() + turn);
-        (lo.max(0.0), at, hi.min(180.0))
-    };
-    let again = sectors.first().filter(|s| s.theta[1] == 0.0).map(|s| (degrees(s, 180.0), s));
-    let samples: Vec<_> = sectors.iter().map(|s| (degrees(s, 0.0), s)).chain(again).collect();
+    let samples: Vec<_> = half_turn(sectors, |s| s.theta).collect();
     let relative = |s: &SectorPower| {
         let expected = s.p / s.ratio.filter(|r| *r > 0.0)?;
         let Band { lo, hi, .. } = s.band?;
         Some((lo / expected, hi / expected))
     };
-    let ends: Vec<f64> = sectors.iter().filter_map(relative).flat_map(|(lo, hi)| [lo, hi]).collect();
-    let values: Vec<f64> = sectors.iter().filter_map(|s| s.ratio).collect();
-    let lowest = values.iter().chain(&ends).copied().fold(0.98, f64::min);
-    let highest = values.iter().chain(&ends).copied().fold(1.02, f64::max);
-    let pad = 0.06 * (highest - lowest);
+    let ratios = sectors.iter().filter_map(|s| s.ratio);
+    let ends: Vec<f64> = sectors.iter().filter_map(relative).flat_map(|(lo, hi)| [lo, hi]).chain(ratios).collect();
+    let y = about_one(&ends)?;
     let layers = vec![
         Layer::Level { name: "isotropic".into(), y: 1.0 },
         Layer::Band {
@@ -91,11 +84,11 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Svg> {
         x_label: "direction θ of the frequency (degrees from the x axis)".into(),
         y_label: "P(θ) / P if isotropic (dimensionless)".into(),
         x: 0.0..180.0,
-        y: (lowest - pad).max(0.0)..highest + pad,
+        y,
         log_x: false,
         log_y: false,
         top: None,
         layers,
     };
-    (!values.is_empty()).then(|| figure.svg())
+    Some(figure.svg())
 }

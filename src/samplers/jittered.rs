@@ -14,8 +14,9 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use super::stream::{stream, uniform};
-use super::{ParameterValues, Realization, Sampler, nearest_power, sinc, strata_per_axis};
+use super::{ParameterValues, Realization, Sampler, nearest_power, strata_per_axis};
 use crate::error::Result;
+use crate::sinc::sinc;
 
 pub(super) struct Jittered;
 

@@ -174,12 +174,6 @@ fn wrap(x: f64) -> f64 {
     if f < 1.0 { f } else { 0.0 }
 }
 
-/// sin(pi x) / (pi x).
-fn sinc(x: f64) -> f64 {
-    let t = std::f64::consts::PI * x;
-    if t.abs() < 1e-8 { 1.0 } else { t.sin() / t }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -156,7 +156,17 @@ impl<'a> AnyRoad<'a> {
 type RoadKey = (WaveRoad, usize);
 
 pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-    Job { cpu, plan, ensemble, control }.run()
+    // To choose a road is to look at every mode: once per number of points.
+    let mut known = HashMap::new();
+    let keys = (0..ensemble.realizations()).map(|k| {
+        let n = ensemble.points_in(k);
+        *known.entry(n).or_insert_with(|| match plan.road(n) {
+            WaveRoad::Nufft => (WaveRoad::Nufft, WaveRoad::about(n as f64) as usize),
+            direct => (direct, 0),
+        })
+    });
+    let keys = keys.collect();
+    Job { cpu, plan, ensemble, control, keys }.run()
 }
 
 /// `s_m` of one realization at every stored mode, real and imaginary part, in f64. `axes[a][j]` is the fraction of point
@@ -210,6 +220,8 @@ struct Job<'a> {
     plan: &'a WavePlan,
     ensemble: &'a Ensemble,
     control: &'a Control,
+    /// The road of each realization.
+    keys: Vec<RoadKey>,
 }
 
 impl Job<'_> {
@@ -245,20 +257,12 @@ impl Job<'_> {
         self.plan.waves.len() as u64 * 8
     }
 
-    fn key(&self, k: usize) -> RoadKey {
-        let n = self.ensemble.points_in(k);
-        match self.plan.road(n) {
-            WaveRoad::Nufft => (WaveRoad::Nufft, WaveRoad::about(n as f64) as usize),
-            direct => (direct, 0),
-        }
-    }
-
     /// The roads that realizations take, made for a number of parts.
     fn roads(&self, parts: usize) -> Result<HashMap<RoadKey, AnyRoad<'_>>> {
         let mut roads = HashMap::new();
         for k in 0..self.ensemble.realizations() {
-            if let Entry::Vacant(road) = roads.entry(self.key(k)) {
-                road.insert(AnyRoad::new(self.cpu, self.plan, self.key(k), parts)?);
+            if let Entry::Vacant(road) = roads.entry(self.keys[k]) {
+                road.insert(AnyRoad::new(self.cpu, self.plan, self.keys[k], parts)?);
             }
         }
         Ok(roads)
@@ -277,7 +281,7 @@ impl Job<'_> {
                 let mut sum = self.new_sums();
                 for k in leaf.clone() {
                     let points = Points::of(self.ensemble, k);
-                    roads[&self.key(k)].whole(&points, &mut scratch, None, self.control, &mut power)?;
+                    roads[&self.keys[k]].whole(&points, &mut scratch, None, self.control, &mut power)?;
                     self.add(&mut sum, k, &mut power);
                 }
                 sum.close_leaf();
@@ -298,7 +302,7 @@ impl Job<'_> {
             let wave = start..(start + at_once).min(realizations);
             let roads = self.roads(parts_wanted(self.cpu, wave.len()))?;
             let mut powers: Vec<_> = wave.clone().map(|_| Mutex::new(vec![0.0; modes])).collect();
-            let of = |k: usize| &roads[&self.key(k)];
+            let of = |k: usize| &roads[&self.keys[k]];
             let tasks: Vec<_> = wave.clone().flat_map(|k| (0..of(k).parts()).map(move |part| (k, part))).collect();
             let next = AtomicUsize::new(0);
             let results = self.cpu.pool.broadcast(|_| {

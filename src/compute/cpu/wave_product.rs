@@ -389,6 +389,12 @@ pub(super) trait Real: Element + Default + Send + Sync + std::ops::Mul<Output = 
 
     fn fill(level: SimdLevel, table: &Table, panel: &Panel<'_>, out: &mut [Self], stride: usize);
 
+    /// Writes the weighted sums over points of a table's columns.
+    fn table_sums(level: SimdLevel, table: &[Self], stride: usize, weights: &[Self], sums: &mut [Self]);
+
+    /// `to += from`: the sums of a panel join those of all points.
+    fn join(level: SimdLevel, to: &mut [f64], from: &[Self]);
+
     /// Adds the weighted sums over points of a table's columns to `sums`; `scratch` is there to be reused.
     fn add_sums(
         level: SimdLevel,
@@ -397,7 +403,11 @@ pub(super) trait Real: Element + Default + Send + Sync + std::ops::Mul<Output = 
         weights: &[Self],
         scratch: &mut Vec<Self>,
         sums: &mut [f64],
-    );
+    ) {
+        let scratch = first(scratch, sums.len());
+        Self::table_sums(level, table, stride, weights, scratch);
+        Self::join(level, sums, scratch);
+    }
 
     /// Adds the product to `sums`; `scratch` is there to be reused.
     fn add_product(
@@ -425,17 +435,12 @@ impl Real for f32 {
         simd::fill_f32(level, table, panel, out, stride);
     }
 
-    fn add_sums(
-        level: SimdLevel,
-        table: &[Self],
-        stride: usize,
-        weights: &[Self],
-        scratch: &mut Vec<Self>,
-        sums: &mut [f64],
-    ) {
-        let scratch = first(scratch, sums.len());
-        simd::table_sums_f32(level, table, stride, weights, scratch);
-        simd::add(level, sums, scratch);
+    fn table_sums(level: SimdLevel, table: &[Self], stride: usize, weights: &[Self], sums: &mut [Self]) {
+        simd::table_sums_f32(level, table, stride, weights, sums);
+    }
+
+    fn join(level: SimdLevel, to: &mut [f64], from: &[Self]) {
+        simd::add(level, to, from);
     }
 
     fn add_product(
@@ -448,7 +453,7 @@ impl Real for f32 {
     ) {
         let scratch = first(scratch, sums.len());
         product(left, right, points, scratch, false);
-        simd::add(level, sums, scratch);
+        Self::join(level, sums, scratch);
     }
 }
 
@@ -461,18 +466,13 @@ impl Real for f64 {
         simd::fill_f64(level, table, panel, out, stride);
     }
 
-    fn add_sums(
-        level: SimdLevel,
-        table: &[Self],
-        stride: usize,
-        weights: &[Self],
-        scratch: &mut Vec<Self>,
-        sums: &mut [f64],
-    ) {
-        let scratch = first(scratch, sums.len());
-        simd::table_sums_f64(level, table, stride, weights, scratch);
-        for (sum, part) in sums.iter_mut().zip(scratch) {
-            *sum += *part;
+    fn table_sums(level: SimdLevel, table: &[Self], stride: usize, weights: &[Self], sums: &mut [Self]) {
+        simd::table_sums_f64(level, table, stride, weights, sums);
+    }
+
+    fn join(_: SimdLevel, to: &mut [f64], from: &[Self]) {
+        for (to, from) in to.iter_mut().zip(from) {
+            *to += *from;
         }
     }
 

@@ -28,9 +28,39 @@ impl FromStr for Column {
     }
 }
 
-/// Which columns are no coordinates.
+/// What the rows of a file are, for messages.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Rows {
+    /// Points.
+    #[default]
+    Points,
+    /// Wave vectors of `--frequencies`.
+    WaveVectors,
+}
+
+impl Rows {
+    /// One of them.
+    pub(super) fn one(self) -> &'static str {
+        match self {
+            Self::Points => "point",
+            Self::WaveVectors => "wave vector",
+        }
+    }
+
+    /// What a number of one is.
+    pub(super) fn number(self) -> &'static str {
+        match self {
+            Self::Points => "coordinate",
+            Self::WaveVectors => "number",
+        }
+    }
+}
+
+/// What the rows are, and which columns are no coordinates.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {
+    /// What a row is.
+    pub rows: Rows,
     /// `--weight-column`: finite numbers.
     pub weight: Option<Column>,
     /// `--class-column`: text, or numbers that serve as text.
@@ -57,7 +87,11 @@ impl Columns {
         let parse = |flag, typed: Option<&str>| {
             typed.map(|text| text.parse().map_err(|e: &str| Error::setting(flag, text, e))).transpose()
         };
-        Ok(Self { weight: parse("--weight-column", weight)?, class: parse("--class-column", class)? })
+        Ok(Self {
+            rows: Rows::Points,
+            weight: parse("--weight-column", weight)?,
+            class: parse("--class-column", class)?,
+        })
     }
 
     /// How many there are.

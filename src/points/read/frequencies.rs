@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Columns, ReadOptions, coordinates, plural, read_file};
+use super::{Columns, ReadOptions, Rows, plural, read_file};
 use crate::error::{Error, Result, number};
 use crate::plan::WaveList;
 use crate::points::Domain;
@@ -16,22 +16,27 @@ const LIMIT: f64 = 2_147_483_648.0;
 pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
     let dim = domain.dim();
     let mut vectors = Vec::new();
-    for set in read_file(path, &ReadOptions { dim: Some(dim), raw: None }, &Columns::default())? {
+    let columns = Columns { rows: Rows::WaveVectors, ..Columns::default() };
+    for set in read_file(path, &ReadOptions { dim: Some(dim), raw: None }, &columns)? {
         let set = set.points;
+        let place = |j: usize| match set.lines.is_empty() {
+            true => format!("{}, wave vector {j}", set.source),
+            false => set.place(j),
+        };
         if set.dim != dim {
             let reason = format!(
-                "{} per wave vector, but the points have {dim}; expected {}",
-                coordinates(set.dim),
-                plural(dim as u64, "number")
+                "{} per wave vector, but the points have {}",
+                plural(set.dim as u64, "number"),
+                plural(dim as u64, "coordinate")
             );
-            return Err(Error::input(set.place(0), reason));
+            return Err(Error::input(place(0), reason));
         }
         for (j, frequency) in set.coordinates.chunks_exact(dim).enumerate() {
             let mut vector = [0.0; 3];
             for (k, &value) in frequency.iter().enumerate() {
                 let cycles = if domain.is_torus() { value } else { value * domain.sides()[k] };
                 if let Some(reason) = refused(cycles, value, k, domain) {
-                    return Err(Error::input(set.place(j), reason));
+                    return Err(Error::input(place(j), reason));
                 }
                 // Without a sign where it is 0.
                 vector[k] = cycles + 0.0;

@@ -24,7 +24,7 @@ use crate::error::{Error, Result};
 use crate::points::RawPoints;
 
 use columns::Marks;
-pub use columns::{Column, Columns, MarkedPoints};
+pub use columns::{Column, Columns, MarkedPoints, Rows};
 pub use edges::read_edges;
 pub use frequencies::read_frequencies;
 pub use raw::{RawElement, RawLayout};
@@ -224,7 +224,7 @@ fn read_bytes(
                 "a UTK .bin holds coordinates only; weights and classes need another format",
             ));
         }
-        return numbered(name, utk::read(name, bytes)?, columns);
+        return numbered(name, utk::read(name, bytes, columns.rows)?, columns);
     }
     if text::is_utf16(bytes) {
         return Err(Error::input(name, "text in UTF-16; save it as UTF-8"));
@@ -236,7 +236,9 @@ fn read_bytes(
         "rps" => return raw::read(name, bytes, RawLayout::RPS, columns),
         "f32" => RawElement::F32,
         "f64" => RawElement::F64,
-        _ if KNOWN_EXTENSIONS.contains(&extension) || !raw::could_be_rps(bytes) => return Err(unknown(name, bytes)),
+        _ if KNOWN_EXTENSIONS.contains(&extension) || !raw::could_be_rps(bytes) => {
+            return Err(unknown(name, bytes, columns.rows));
+        }
         _ => return raw::read(name, bytes, RawLayout::RPS, columns),
     };
     match options.dim {
@@ -248,12 +250,15 @@ fn read_bytes(
     }
 }
 
-fn unknown(name: &str, bytes: &[u8]) -> Error {
+fn unknown(name: &str, bytes: &[u8], rows: Rows) -> Error {
     if bytes.starts_with(&[0x1f, 0x8b]) {
         return Error::input(name, "compressed with gzip; unpack it first");
     }
-    let reason = "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need --raw f32x2 or the like";
-    Error::input(name, reason)
+    let raw = match rows {
+        Rows::Points => "need --raw f32x2 or the like",
+        Rows::WaveVectors => "need a name that ends in .f32 or .f64",
+    };
+    Error::input(name, format!("neither text nor .npy, .npz or UTK .bin (no such header); raw numbers {raw}"))
 }
 
 /// Several arrays of `n * width` numbers: what the binary readers deliver.

@@ -21,11 +21,11 @@ pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> 
     let (text, data) = split(bytes).map_err(fail)?;
     let Header { dtype, element, big_endian, fortran, shape } = parse(text).map_err(fail)?;
     let shown = show_shape(&shape);
-    let (k, n, d) = sizes(&shape, columns.count()).map_err(fail)?;
+    let (k, n, d) = sizes(&shape, columns).map_err(fail)?;
     let count = shape.iter().try_fold(1, |product: u64, &side| product.checked_mul(side));
     check_length(name, &format!("shape {shown} of {dtype}"), count, element, data)?;
     if k == 0 || (n == 0 && k > 1) {
-        return Err(fail(format!("shape {shown} holds no points")));
+        return Err(fail(format!("shape {shown} holds no {}s", columns.rows.one())));
     }
     let flat = element.decode(data, big_endian);
     // All three sizes are at most the number of elements that the data holds, so they fit.
@@ -129,8 +129,8 @@ fn element(dtype: &str) -> Result<(Element, bool), String> {
     Ok((element, big_endian))
 }
 
-/// (K, n, d) of a shape, `marks` of the d columns being no coordinates.
-fn sizes(shape: &[u64], marks: usize) -> Result<(u64, u64, u64), String> {
+/// (K, n, d) of a shape, some of the d columns being no coordinates.
+fn sizes(shape: &[u64], columns: &Columns) -> Result<(u64, u64, u64), String> {
     let (k, n, d) = match *shape {
         [n] => (1, n, 1),
         [n, d] => (1, n, d),
@@ -140,7 +140,7 @@ fn sizes(shape: &[u64], marks: usize) -> Result<(u64, u64, u64), String> {
             return Err(format!("shape {}; {reason}", show_shape(shape)));
         }
     };
-    let marks = marks as u64;
+    let marks = columns.count() as u64;
     if (1 + marks..=3 + marks).contains(&d) {
         return Ok((k, n, d));
     }
@@ -150,8 +150,10 @@ fn sizes(shape: &[u64], marks: usize) -> Result<(u64, u64, u64), String> {
     }
     let hint = if (1..=3).contains(&n) && shape.len() > 1 { "; it seems to be transposed" } else { "" };
     Err(format!(
-        "shape {} has {d} coordinates per point; expected (n, d) or (K, n, d) with d = 1, 2 or 3{hint}",
-        show_shape(shape)
+        "shape {} has {d} {}s per {}; expected (n, d) or (K, n, d) with d = 1, 2 or 3{hint}",
+        show_shape(shape),
+        columns.rows.number(),
+        columns.rows.one()
     ))
 }
 

@@ -97,8 +97,9 @@ pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Column
     let left_over = bytes.len() % point;
     if left_over != 0 {
         let reason = format!(
-            "{} are not a whole number of {layout} points of {point} bytes: {left_over} left over",
+            "{} are not a whole number of {layout} {}s of {point} bytes: {left_over} left over",
             plural(bytes.len() as u64, "byte"),
+            columns.rows.one(),
         );
         return Err(Error::input(name, reason));
     }

@@ -338,7 +338,7 @@ impl<'a> Parser<'a> {
         if let Some(announced) = self.announced.take().or(self.undecided.take())
             && announced.points != found
         {
-            let reason = format!("announces {}, found {found}", plural(announced.points, "point"));
+            let reason = format!("announces {}, found {found}", plural(announced.points, self.marks.rows.one()));
             return self.fail(announced.line, reason);
         }
         self.header_seen = false;
@@ -359,7 +359,11 @@ impl<'a> Parser<'a> {
         let header = self.header_seen && self.lines.is_empty();
         self.end_set()?;
         if self.sets.is_empty() {
-            let reason = if header { "a header but no points" } else { "no points: only blank lines and comments" };
+            let rows = self.marks.rows.one();
+            let reason = match header {
+                true => format!("a header but no {rows}s"),
+                false => format!("no {rows}s: only blank lines and comments"),
+            };
             return Err(Error::input(self.name, reason));
         }
         if self.sets.len() > 1 {

@@ -3,21 +3,21 @@
 //!
 //! Integers are coordinates as they stand: UTK's own reader casts them without scaling.
 
-use super::{Element, Sets, check_length};
+use super::{Element, Rows, Sets, check_length};
 use crate::error::{Error, Result};
 use crate::points::write::UTK_SETS_DIFFER;
 
 pub(super) const MAGIC: [u8; 4] = 0x214B_5455_u32.to_le_bytes();
 const HEADER: usize = 20;
 
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Sets> {
+pub(super) fn read(name: &str, bytes: &[u8], rows: Rows) -> Result<Sets> {
     let Some((header, data)) = bytes.split_at_checked(HEADER) else {
         let reason = format!("truncated: the header of a UTK .bin has {HEADER} bytes, found {}", bytes.len());
         return Err(Error::input(name, reason));
     };
     let (words, _) = header.as_chunks::<4>();
-    let number = |i: usize| u32::from_le_bytes(words[i]);
-    let (m, n, d) = (number(2), number(3), number(4));
+    let word = |i: usize| u32::from_le_bytes(words[i]);
+    let (m, n, d) = (word(2), word(3), word(4));
     let element = match header[4] {
         0 => Element::I32,
         1 => Element::I64,
@@ -32,13 +32,14 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Sets> {
             return Err(Error::input(name, reason));
         }
     };
+    let (one, number) = (rows.one(), rows.number());
     if !(1..=3).contains(&d) {
-        return Err(Error::input(name, format!("{d} coordinates per point; 1, 2 or 3 are supported")));
+        return Err(Error::input(name, format!("{d} {number}s per {one}; 1, 2 or 3 are supported")));
     }
     if m == 0 || (n == 0 && m > 1) {
-        return Err(Error::input(name, format!("no points: {m} sets of {n} points")));
+        return Err(Error::input(name, format!("no {one}s: {m} sets of {n} {one}s")));
     }
-    let what = format!("a header of {m} sets of {n} points with {d} coordinates");
+    let what = format!("a header of {m} sets of {n} {one}s with {d} {number}s");
     let per_set = u64::from(n) * u64::from(d);
     check_length(name, &what, per_set.checked_mul(u64::from(m)), element, data)?;
     let set_bytes = (data.len() / m as usize).max(1);
