@@ -212,6 +212,3 @@ pub(crate) fn menu(ui: &mut egui::Ui, viewer: &mut Viewer) {
         }
     });
 }
-
-/// The menu.
-pub(crate) fn menu(_: &mut eframe::egui::Ui, _: &mut Viewer) {}

@@ -90,10 +90,12 @@ fn copied(window: &Window) -> Option<String> {
 
 /// Presses a key; what is on the clipboard then.
 fn press(window: &mut Window, modifiers: Modifiers, key: Key) -> Option<String> {
-    window.key_down_modifiers(modifiers, key);
+    let event = |pressed| egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+    window.event(egui::Event::ModifiersChanged(modifiers));
+    window.event(event(true));
     window.step();
     let copied = copied(window);
-    window.key_up_modifiers(modifiers, key);
+    window.event(event(false));
     window.event(egui::Event::ModifiersChanged(Modifiers::NONE));
     window.step();
     window.run_steps(2);
@@ -333,7 +335,11 @@ fn a_picture_as_shown_is_the_part_of_the_screen() {
                 size: [screen.width() as usize, screen.height() as usize],
                 rgb: screen.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect(),
             };
-            let [x, y] = place(&part, &whole).unwrap_or_else(|| panic!("{panel:?} is not on the screen"));
+            let [x, y] = place(&part, &whole).unwrap_or_else(|| {
+                std::fs::write("/tmp/part.png", &log.borrow().saved[&format!("{}_shown.png", panel.slug())]).unwrap();
+                screen.save("/tmp/whole.png").unwrap();
+                panic!("{panel:?} is not on the screen")
+            });
             let button = window.get_by_label(&format!("Take away {}", panel.name())).rect();
             let inside =
                 |at: f32, from: usize, size: usize| at * scale > from as f32 && at * scale < (from + size) as f32;
