@@ -6,7 +6,6 @@ use pairwave::report::Panel;
 
 use crate::app::Viewer;
 use crate::files::Choice;
-use crate::set::MOST_SETS;
 use crate::view::Theme;
 
 /// What a key does.
@@ -106,13 +105,14 @@ pub const SHORTCUTS: [Shortcut; 18] = [
 ];
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 7] = [
+const MOUSE: [(&str, &str); 8] = [
     ("point at", "mark the same distance or frequency in every panel, with value, error and unit"),
     ("drag", "pan"),
     ("wheel, pinch", "zoom"),
     ("right drag", "zoom to a box in a plot"),
     ("double click", "in a plot: reset its zoom; on a title: fill the window, show all again"),
     ("📤 of a panel", "take away its picture, figure, numbers or command"),
+    ("any setting", "point at it: what it means, its unit and its flag"),
     ("drop files", "points as a set of their own, or a session"),
 ];
 
@@ -247,7 +247,8 @@ pub(crate) fn show(ctx: &egui::Context, viewer: &mut Viewer) {
     }
     let screen = ctx.content_rect().size();
     let width = (screen.x - 64.0).min(860.0);
-    let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(12);
+    let modal = egui::Modal::new(egui::Id::unique("help")).frame(frame).show(ctx, |ui| {
         ui.set_width(width);
         ui.horizontal(|ui| {
             ui.heading("Keys, mouse and marks");
@@ -289,7 +290,6 @@ fn columns(ui: &mut egui::Ui, width: f32) {
             }
             ui.add_space(8.0);
         }
-        ui.weak(format!("Up to {MOST_SETS} sets are shown together. Every setting says what it is when pointed at."));
     };
     if width < 560.0 {
         keys(ui);
