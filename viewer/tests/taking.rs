@@ -343,6 +343,12 @@ fn a_picture_as_shown_is_the_part_of_the_screen() {
             let inside =
                 |at: f32, from: usize, size: usize| at * scale > from as f32 && at * scale < (from + size) as f32;
             assert!(inside(button.center().x, x, part.size[0]) && inside(button.center().y, y, part.size[1]));
+            if scale == 1.0 {
+                // From one line of the frame to the other.
+                let pixel = |x: usize| &part.rgb[3 * (part.size[1] / 2 * part.size[0] + x)..][..3];
+                let last = part.size[0] - 1;
+                assert!(pixel(0) == pixel(last) && pixel(1) == pixel(last - 1) && pixel(0) != pixel(1), "{panel:?}");
+            }
             places.push(([x, y], part.size));
         }
         // One above the other, they fill the column but for the gap between them.
