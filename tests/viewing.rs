@@ -319,6 +319,12 @@ fn texts_state_value_error_and_unit() {
 
 #[test]
 fn axes_name_their_unit_and_are_in_it() {
+    let components = analyze("--sampler random -n 9 -k 1 --stats pcf");
+    let x = Axis::coordinate(&components, LengthUnit::Box, 0);
+    assert_eq!((x.label(), x.symbol()), ("x (length units)".into(), "x".into()));
+    assert_eq!(Axis::lag(&components, LengthUnit::PackingDistance, 1).symbol(), "h_y / d_hex");
+    assert_eq!(Axis::wave(&components, FrequencyUnit::Cycles, 1).label(), "ν_y (cycles per unit length)");
+
     let a = analyze("--sampler random -n 100 --box 2,2 --stats pcf");
     let d = a.domain.closest_packing_distance(100.0);
     let axis = Axis::distance(&a, LengthUnit::PackingDistance, AxisScale::Linear);

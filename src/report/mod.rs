@@ -29,10 +29,10 @@ mod units;
 mod vector_image;
 
 pub use color_map::ColorMap;
-pub use curves::{Curve, Frame};
+pub use curves::{Curve, Drawn, Frame};
 pub use headline::headline;
 pub use panel::{Offers, Panel};
-pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};
+pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_reach, vector_ticks};
 pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
 pub use tone_map::ToneMap;
 pub use units::{Axis, AxisScale, FrequencyUnit, LengthUnit};

@@ -5,6 +5,8 @@ use crate::compute::{Control, neighbors::nearest_neighbors};
 use crate::error::Result;
 use crate::points::{Domain, Ensemble};
 
+use super::text::human;
+
 /// A point or corner: to the right, upward.
 pub type Place = [f64; 2];
 
@@ -32,6 +34,14 @@ pub fn projected(points: &Ensemble, plane: [usize; 2]) -> Vec<Place> {
 
 fn count(points: &Ensemble) -> usize {
     if points.realizations() > 0 { points.points_in(0) } else { 0 }
+}
+
+/// A point of the first realization with its coordinates: `point 17: (0.25, 0.5)`.
+pub fn point_text(points: &Ensemble, index: usize) -> Option<String> {
+    (index < count(points)).then(|| {
+        let x: Vec<String> = points.position(0, index).into_iter().map(human).collect();
+        format!("point {index}: ({})", x.join(", "))
+    })
 }
 
 /// From every point of the first realization to the nearest other one, on a torus to its nearest image, which may lie outside

@@ -68,6 +68,11 @@ fn ends(analysis: &Analysis, reach: Option<f64>) -> Option<[f64; 2]> {
     Some(reach.filter(|r| *r > 0.0).map_or_else(|| range(vector), |reach| [1.0 - reach, 1.0 + reach]))
 }
 
+/// How far from 1 g reaches in all but a few cells.
+pub fn vector_reach(analysis: &Analysis) -> Option<f64> {
+    ends(analysis, None).map(|[_, high]| high - 1.0)
+}
+
 /// The colour bar of `vector_pixels`: places from 0 to 1, and the g that they stand for.
 pub fn vector_ticks(analysis: &Analysis, reach: Option<f64>) -> Option<Vec<(f64, String)>> {
     let [low, high] = ends(analysis, reach)?;

@@ -128,6 +128,8 @@ enum Quantity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
     quantity: Quantity,
+    /// Of a component, its name in place of that of the length: `x`, `h_x`, `ν_x`.
+    component: Option<&'static str>,
     /// One unit of the axis, in units of the analysis.
     unit: f64,
     scale: AxisScale,
@@ -138,7 +140,7 @@ impl Axis {
     pub fn distance(analysis: &Analysis, unit: LengthUnit, scale: AxisScale) -> Self {
         let domain = &analysis.domain;
         let quantity = Quantity::Distance { unit, dim: domain.dim() };
-        Self { quantity, unit: unit.size(domain, analysis.shape.mean_points), scale }
+        Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), scale }
     }
 
     /// Frequencies nu of an analysis; those of another program's rings stay in its own unit.
@@ -146,25 +148,43 @@ impl Axis {
         let domain = &analysis.domain;
         if analysis.convention != Convention::Ours {
             let own = analysis.convention.labels().split(';').next().unwrap_or_default();
-            return Self { quantity: Quantity::ForeignFrequency(own), unit: 1.0, scale };
+            return Self { quantity: Quantity::ForeignFrequency(own), component: None, unit: 1.0, scale };
         }
         let quantity = Quantity::Frequency { unit, dim: domain.dim(), of_unit_measure: domain.measure() == 1.0 };
-        Self { quantity, unit: unit.size(domain, analysis.shape.mean_points), scale }
+        Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), scale }
+    }
+
+    /// Coordinates of points along an axis of the domain.
+    pub fn coordinate(analysis: &Analysis, unit: LengthUnit, axis: usize) -> Self {
+        let name = ["x", "y", "z"].get(axis).copied();
+        Self { component: name, ..Self::distance(analysis, unit, AxisScale::Linear) }
+    }
+
+    /// Lags along an axis of the domain.
+    pub fn lag(analysis: &Analysis, unit: LengthUnit, axis: usize) -> Self {
+        let name = ["h_x", "h_y", "h_z"].get(axis).copied();
+        Self { component: name, ..Self::distance(analysis, unit, AxisScale::Linear) }
+    }
+
+    /// Components of frequencies along an axis of the domain.
+    pub fn wave(analysis: &Analysis, unit: FrequencyUnit, axis: usize) -> Self {
+        let name = ["ν_x", "ν_y", "ν_z"].get(axis).copied();
+        Self { component: name, ..Self::frequency(analysis, unit, AxisScale::Linear) }
     }
 
     /// Values of g.
     pub fn g(scale: AxisScale) -> Self {
-        Self { quantity: Quantity::Dimensionless("g"), unit: 1.0, scale }
+        Self { quantity: Quantity::Dimensionless("g"), component: None, unit: 1.0, scale }
     }
 
     /// Values of P.
     pub fn p(scale: AxisScale) -> Self {
-        Self { quantity: Quantity::Dimensionless("P"), unit: 1.0, scale }
+        Self { quantity: Quantity::Dimensionless("P"), component: None, unit: 1.0, scale }
     }
 
     /// Anisotropy, which is in dB already.
     pub fn anisotropy() -> Self {
-        Self { quantity: Quantity::Decibels("anisotropy"), unit: 1.0, scale: AxisScale::Linear }
+        Self { quantity: Quantity::Decibels("anisotropy"), component: None, unit: 1.0, scale: AxisScale::Linear }
     }
 
     /// The scale.
@@ -210,14 +230,18 @@ impl Axis {
         }
     }
 
-    /// What is along the axis: `r`, `r / d_hex`, `ν / √n`, `g`.
+    /// What is along the axis: `r`, `r / d_hex`, `ν / √n`, `g`; of a component `x`, `h_x / d_hex`.
     pub fn symbol(self) -> String {
+        let named = |whole: &'static str| self.component.unwrap_or(whole);
         match self.quantity {
-            Quantity::Distance { unit: LengthUnit::Box, .. } => "r".into(),
-            Quantity::Distance { unit, dim } => format!("r / {}", unit.symbol(dim)),
-            Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } | Quantity::ForeignFrequency(_) => "ν".into(),
+            Quantity::Distance { unit: LengthUnit::Box, .. } => named("r").into(),
+            Quantity::Distance { unit, dim } => format!("{} / {}", named("r"), unit.symbol(dim)),
+            Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } | Quantity::ForeignFrequency(_) => {
+                named("ν").into()
+            }
             Quantity::Frequency { dim, of_unit_measure, .. } => {
-                format!("ν / {}{}", ["", "√", "∛"][(dim - 1).min(2)], if of_unit_measure { "n" } else { "λ" })
+                let root = ["", "√", "∛"][(dim - 1).min(2)];
+                format!("{} / {root}{}", named("ν"), if of_unit_measure { "n" } else { "λ" })
             }
             Quantity::Dimensionless(name) | Quantity::Decibels(name) => name.into(),
         }
@@ -226,16 +250,17 @@ impl Axis {
     /// The text along the axis: what it is, and its unit.
     pub fn label(self) -> String {
         let symbol = self.symbol();
+        let (distance, frequency) = if self.component.is_some() { ("", "") } else { ("distance ", "frequency ") };
         match (self.scale, self.quantity) {
             (AxisScale::Decibel, _) => format!("10 log10({symbol}) (dB)"),
             (_, Quantity::Decibels(_)) => format!("{symbol} (dB)"),
-            (_, Quantity::Distance { unit: LengthUnit::Box, .. }) => format!("distance {symbol} (length units)"),
-            (_, Quantity::Distance { .. }) => format!("distance {symbol} (closest packing = 1)"),
+            (_, Quantity::Distance { unit: LengthUnit::Box, .. }) => format!("{distance}{symbol} (length units)"),
+            (_, Quantity::Distance { .. }) => format!("{distance}{symbol} (closest packing = 1)"),
             (_, Quantity::Frequency { unit: FrequencyUnit::Cycles, .. }) => {
-                format!("frequency {symbol} (cycles per unit length)")
+                format!("{frequency}{symbol} (cycles per unit length)")
             }
-            (_, Quantity::ForeignFrequency(unit)) => format!("frequency {symbol} ({unit})"),
-            (_, Quantity::Frequency { .. }) => format!("frequency {symbol} (cycles per mean spacing)"),
+            (_, Quantity::ForeignFrequency(unit)) => format!("{frequency}{symbol} ({unit})"),
+            (_, Quantity::Frequency { .. }) => format!("{frequency}{symbol} (cycles per mean spacing)"),
             (_, Quantity::Dimensionless(_)) => format!("{symbol} (dimensionless)"),
         }
     }
@@ -258,7 +283,7 @@ mod tests {
     use super::*;
 
     fn axis(unit: f64, scale: AxisScale) -> Axis {
-        Axis { quantity: Quantity::Dimensionless("P"), unit, scale }
+        Axis { quantity: Quantity::Dimensionless("P"), component: None, unit, scale }
     }
 
     #[test]

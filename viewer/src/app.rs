@@ -9,7 +9,7 @@ use pairwave::request::Request;
 use crate::controls::Controls;
 use crate::engine::{SetId, Snapshot};
 use crate::export::Exports;
-use crate::files::{Answer, Files};
+use crate::files::Files;
 use crate::hover::Hover;
 use crate::messages::{self, Message};
 use crate::panels::{Panels, Scene};
@@ -36,6 +36,8 @@ pub struct Viewer {
     pub(crate) exports: Exports,
     pub(crate) files: Box<dyn Files>,
     has_fonts: bool,
+    /// What the window is called.
+    title: String,
     worker: Worker,
     next_id: SetId,
     /// What the worker was last asked for, by set.
@@ -64,6 +66,7 @@ impl Viewer {
             exports: Exports::default(),
             files,
             has_fonts: false,
+            title: String::new(),
             worker: Worker::new(notify)?,
             next_id: 1,
             asked: BTreeMap::new(),
@@ -176,22 +179,13 @@ impl Viewer {
         self.held.retain(|id, _| self.sets.iter().any(|s| s.id == *id));
     }
 
-    /// Takes what was chosen or written since the last frame.
-    fn take_answers(&mut self) {
-        for answer in self.files.answers() {
-            match answer {
-                Answer::Points(files) => {
-                    let mut request = Request::default();
-                    request.input.files = files;
-                    self.add(request);
-                }
-                Answer::Session { path, text } => match self.open_session(&text) {
-                    Ok(()) => self.note(format!("Opened {}", path.display())),
-                    Err(error) => self.fail(format!("{}: {error}", path.display())),
-                },
-                Answer::Saved(path) => self.note(format!("Saved {}", path.display())),
-                Answer::Failed(text) => self.fail(text),
-            }
+    /// Names the window after what is in it.
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let names: Vec<String> = self.sets.iter().map(Set::name).collect();
+        let title = format!("{} - pairwave", names.join(", "));
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
         }
     }
 
@@ -250,8 +244,8 @@ impl Viewer {
         });
         self.exchange();
         help::shortcuts(&ctx, self);
-        self.take_dropped(&ctx);
-        self.take_answers();
+        self.take_files(&ctx);
+        self.name_window(&ctx);
         egui::Panel::bottom("status").show(ui, |ui| status::show(ui, self));
         egui::Panel::left("controls")
             .resizable(true)
@@ -270,6 +264,7 @@ impl Viewer {
         });
         help::show(&ctx, self);
         messages::show(&ctx, self, middle.response.rect);
+        self.announce_drop(&ctx);
         self.carry_out_exports(&ctx);
         if self.hover.end_frame() {
             ctx.request_repaint();

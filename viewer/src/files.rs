@@ -1,6 +1,18 @@
 //! Files, behind one small interface: a browser will have another.
 
+#[cfg(not(target_arch = "wasm32"))]
+mod local;
+
 use std::path::{Path, PathBuf};
+
+use eframe::egui;
+use pairwave::request::PointsRequest;
+
+use crate::app::Viewer;
+use crate::set::MOST_SETS;
+
+#[cfg(not(target_arch = "wasm32"))]
+pub use local::LocalFiles;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,24 +53,67 @@ pub trait Files {
     fn answers(&mut self) -> Vec<Answer>;
 }
 
-/// Those of the computer.
-#[derive(Default)]
-pub struct LocalFiles {
-    answers: Vec<Answer>,
+/// A session, if the file can be read.
+pub(crate) fn read_session(path: &Path) -> Answer {
+    match std::fs::read_to_string(path) {
+        Ok(text) => Answer::Session { path: path.into(), text },
+        Err(error) => Answer::Failed(format!("{}: {error}", path.display())),
+    }
 }
 
-impl Files for LocalFiles {
-    fn choose(&mut self, _: Choice) {}
-
-    fn save(&mut self, name: &str, bytes: Vec<u8>) {
-        let path = std::path::absolute(Path::new(name)).unwrap_or_else(|_| name.into());
-        self.answers.push(match std::fs::write(&path, bytes) {
-            Ok(()) => Answer::Saved(path),
-            Err(e) => Answer::Failed(format!("{}: {e}", path.display())),
-        });
+impl Viewer {
+    /// Takes what was chosen, written or dropped since the last frame.
+    pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|i| i.raw.dropped_files.clone());
+        let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
+        let is_session = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+        let mut answers = self.files.answers();
+        answers.extend(paths.iter().filter(is_session).map(|path| read_session(path)));
+        let points: Vec<PathBuf> = paths.iter().filter(|path| !is_session(path)).cloned().collect();
+        if !points.is_empty() {
+            answers.push(Answer::Points(points));
+        }
+        for answer in answers {
+            match answer {
+                Answer::Points(files) => self.open_points(files),
+                Answer::Session { path, text } => match self.open_session(&text) {
+                    Ok(()) => self.note(format!("Opened {}", path.display())),
+                    Err(error) => self.fail(format!("{}: {error}", path.display())),
+                },
+                Answer::Saved(path) => self.note(format!("Saved {}", path.display())),
+                Answer::Failed(text) => self.fail(text),
+            }
+        }
     }
 
-    fn answers(&mut self) -> Vec<Answer> {
-        std::mem::take(&mut self.answers)
+    /// Adds a set of files, one batch, measured like the set that is selected.
+    pub(crate) fn open_points(&mut self, files: Vec<PathBuf>) {
+        let mut request = self.sets.get(self.selected).map(|set| set.request.clone()).unwrap_or_default();
+        request.input = PointsRequest { files, ..PointsRequest::default() };
+        self.add(request);
+    }
+
+    /// While files are held over the window: says what dropping them does.
+    pub(crate) fn announce_drop(&self, ctx: &egui::Context) {
+        let hovering = ctx.input(|i| i.raw.hovered_files.len());
+        if hovering == 0 {
+            return;
+        }
+        let text = match (self.sets.len() < MOST_SETS, hovering) {
+            (false, _) => format!("There is room for {MOST_SETS} sets: remove one first"),
+            (true, 1) => "Drop to add this file or folder as a set; a session opens".to_string(),
+            (true, many) => format!("Drop to add {many} files as one set"),
+        };
+        let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
+        let (all, visuals) = (ctx.content_rect(), ctx.global_style().visuals.clone());
+        painter.rect_filled(all, 0.0, visuals.panel_fill.gamma_multiply(0.85));
+        painter.rect_stroke(
+            all.shrink(12.0),
+            8.0,
+            egui::Stroke::new(2.0, visuals.selection.bg_fill),
+            egui::StrokeKind::Inside,
+        );
+        let font = egui::TextStyle::Heading.resolve(&ctx.global_style());
+        painter.text(all.center(), egui::Align2::CENTER_CENTER, text, font, visuals.strong_text_color());
     }
 }

@@ -11,4 +11,10 @@ pub(crate) fn install(ctx: &egui::Context) {
         }
     }
     ctx.set_fonts(fonts);
+    ctx.all_styles_mut(|style| {
+        // Legends and colour bars: small, and still read with ease.
+        if let Some(small) = style.text_styles.get_mut(&egui::TextStyle::Small) {
+            small.size = 11.0;
+        }
+    });
 }

@@ -187,7 +187,7 @@ fn act(ctx: &egui::Context, viewer: &mut Viewer, action: Action, index: usize) {
         Action::Leave | Action::AllPanels => viewer.view.maximized = None,
         Action::Pause => viewer.pause(!viewer.paused),
         Action::Panel => viewer.view.maximized = Panel::ALL.get(index).copied(),
-        Action::ResetZoom => viewer.panels.reset_all(),
+        Action::ResetZoom => viewer.panels.reset(),
         Action::Theme => {
             let at = Theme::ALL.iter().position(|theme| *theme == viewer.view.theme).unwrap_or_default();
             viewer.view.theme = Theme::ALL[(at + 1) % Theme::ALL.len()];
@@ -321,11 +321,4 @@ fn row(ui: &mut egui::Ui, what: &str, words: &str) {
             ui.add(egui::Label::new(words).wrap()).labelled_by(left.response.id);
         });
     });
-}
-
-impl Viewer {
-    /// Files that were dropped on the window.
-    pub(crate) fn take_dropped(&mut self, ctx: &egui::Context) {
-        let _ = ctx;
-    }
 }

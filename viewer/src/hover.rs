@@ -2,6 +2,8 @@
 
 use pairwave::report::Panel;
 
+use crate::engine::SetId;
+
 /// A place in one of the panels, in units of the analysis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Place {
@@ -13,8 +15,8 @@ pub(crate) enum Place {
     Mode([f64; 2]),
     /// A lag, to the right and upward.
     Lag([f64; 2]),
-    /// A point of the first realization, by its index.
-    Point(usize),
+    /// A point of the first realization of a set, by its index.
+    Point(SetId, usize),
 }
 
 /// What the pointer is at.

@@ -58,8 +58,10 @@ fn main() -> ExitCode {
         options,
         Box::new(move |creation| {
             let ctx = creation.egui_ctx.clone();
+            let again = ctx.clone();
+            let notify = move || again.request_repaint();
             let request = Viewer::with_points(request);
-            let mut viewer = Viewer::new(request, Box::new(LocalFiles::default()), move || ctx.request_repaint())?;
+            let mut viewer = Viewer::new(request, Box::new(LocalFiles::new(notify)), move || ctx.request_repaint())?;
             let last = creation.storage.and_then(|storage| storage.get_string(session::LAST));
             match (&session, last) {
                 (Some(session), _) => viewer.take_session(session)?,

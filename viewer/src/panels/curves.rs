@@ -1,12 +1,13 @@
 //! g(r), radial P and anisotropy: a curve per set, with its error band.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use eframe::egui;
-use egui_plot::{FilledArea, GridInput, GridMark, HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, Points, VLine};
+use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotPoints, Points, VLine};
 use pairwave::analysis::Analysis;
 use pairwave::report::{Axis, Curve, Frame, Panel, bin_at, ring_at};
 
+use super::chart::{Chart, Zoomed};
 use super::{Scene, said_instead};
 use crate::colors;
 use crate::engine::SetId;
@@ -19,8 +20,6 @@ use crate::view::View;
 pub(crate) struct Curves {
     kept: HashMap<(Panel, SetId), Kept>,
     frames: HashMap<Panel, Frame>,
-    /// Panels whose frame a person has chosen.
-    zoomed: HashSet<Panel>,
 }
 
 /// The curve of a snapshot along two axes, ready to be drawn.
@@ -44,19 +43,14 @@ impl Kept {
 }
 
 impl Curves {
-    /// Whether a person has chosen what is seen.
-    pub(super) fn is_zoomed(&self, panel: Panel) -> bool {
-        self.zoomed.contains(&panel)
-    }
-
-    /// Shows all of it again.
-    pub(super) fn reset(&mut self, panel: Panel) {
-        self.zoomed.remove(&panel);
-        self.frames.remove(&panel);
+    /// The name of the first axis, for where there is no room for it beside the axis.
+    pub(super) fn caption(panel: Panel, scene: &Scene<'_>) -> Option<String> {
+        let analysis = scene.sets.iter().filter(|set| set.visible).find_map(Set::analysis)?;
+        Some(axes(panel, analysis, scene.view).0.label())
     }
 
     /// Draws a panel of curves.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let drawn = self.prepare(panel, scene);
         let Some(first) = drawn.first().copied() else {
             said_instead(ui, scene, "these settings give no such curve");
@@ -68,7 +62,11 @@ impl Curves {
         let Some(wanted) = frames.reduce(Frame::union) else { return };
         let frame = self.frames.get(&panel).map_or(wanted, |frame| frame.kept(wanted));
         self.frames.insert(panel, frame);
-        self.plot(ui, panel, scene, &drawn, axes, frame);
+        let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].name()).collect();
+        let (x, y) = axes;
+        let described = format!("{} of {}, along {}", panel.name(), names.join(", "), x.label());
+        let chart = Chart { panel, index: 0, x, y, frame, square: false, picture: false, described: &described };
+        self.plot(ui, scene, zoomed, &drawn, chart);
     }
 
     /// Brings up to date what is kept. The sets that have a curve, the selected one last.
@@ -100,102 +98,36 @@ impl Curves {
     fn plot(
         &mut self,
         ui: &mut egui::Ui,
-        panel: Panel,
         scene: &mut Scene<'_>,
+        zoomed: &mut Zoomed,
         drawn: &[usize],
-        (x, y): (Axis, Axis),
-        frame: Frame,
+        chart: Chart<'_>,
     ) {
-        let (size, dark) = (ui.available_size(), ui.visuals().dark_mode);
-        let roomy = size.x > 320.0 && size.y > 160.0;
-        let ticks = |length: f32, each: f32| ((length / each) as u32).clamp(2, 10);
-        let (x_ticks, y_ticks) = (ticks(size.x, 70.0), ticks(size.y, 45.0));
-        let marks = |axis: Axis, target: u32| {
-            move |input: GridInput| {
-                let places: Vec<f64> = axis.ticks(input.bounds.0, input.bounds.1, target).iter().map(|t| t.0).collect();
-                let step = places.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
-                let step_size = if step.is_finite() { step } else { input.bounds.1 - input.bounds.0 };
-                places.into_iter().map(|value| GridMark { value, step_size }).collect()
-            }
-        };
-        let text = |axis: Axis, target: u32| {
-            move |mark: GridMark, range: &std::ops::RangeInclusive<f64>| {
-                let near = |t: &(f64, String)| (t.0 - mark.value).abs() <= 1e-6 * mark.step_size;
-                let all = axis.ticks(*range.start(), *range.end(), target);
-                all.into_iter().find(near).map(|t| t.1).unwrap_or_default()
-            }
-        };
-        let mut plot = Plot::new(panel.slug())
-            .auto_bounds(false)
-            .default_x_bounds(frame.x[0], frame.x[1])
-            .default_y_bounds(frame.y[0], frame.y[1])
-            .allow_double_click_reset(false)
-            .allow_scroll(false)
-            .allow_zoom(false)
-            .show_x(false)
-            .show_y(false)
-            .label_formatter(|_| None)
-            .set_margin_fraction(egui::Vec2::ZERO)
-            .y_axis_min_width(24.0)
-            .grid_spacing(20.0..=60.0)
-            .x_grid_spacer(marks(x, x_ticks))
-            .y_grid_spacer(marks(y, y_ticks))
-            .x_axis_formatter(text(x, x_ticks))
-            .y_axis_formatter(text(y, y_ticks))
-            .x_axis_label(if roomy { x.label() } else { x.symbol() });
-        if roomy {
-            plot = plot.y_axis_label(y.label());
-        }
-        let zoomed = self.is_zoomed(panel);
+        let (panel, x, y, dark) = (chart.panel, chart.x, chart.y, ui.visuals().dark_mode);
         let ink = ui.visuals().text_color();
-        let shown = plot.show(ui, |plot| {
-            let mut changed = false;
-            if !zoomed {
-                plot.set_plot_bounds_x(frame.x[0]..=frame.x[1]);
-                plot.set_plot_bounds_y(frame.y[0]..=frame.y[1]);
-            }
-            if plot.response().hovered() {
-                let (scroll, pinch) = plot.ctx().input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-                let factor = pinch * (scroll * 0.004).exp();
-                if factor != 1.0 {
-                    plot.zoom_bounds_around_hovered(egui::Vec2::splat(factor));
-                    changed = true;
-                }
-            }
+        let (kept, sets, view, hover, selected) = (&self.kept, scene.sets, &*scene.view, &*scene.hover, scene.selected);
+        let shown = chart.show(ui, zoomed, |plot| {
             for &index in drawn {
-                let set = &scene.sets[index];
-                let Some(kept) = self.kept.get(&(panel, set.id)) else { continue };
-                curve(plot, kept, scene.view, colors::set(set.color, dark), index == scene.selected);
+                let set = &sets[index];
+                let Some(kept) = kept.get(&(panel, set.id)) else { continue };
+                curve(plot, kept, view, colors::set(set.color, dark), index == selected);
             }
-            let at = scene.hover.along(panel).and_then(|at| x.forward(at));
-            if let Some(at) = at {
+            let Some(at) = hover.along(panel) else { return };
+            if let Some(at) = x.forward(at) {
                 plot.vline(VLine::new("pointer", at).color(ink.gamma_multiply(0.5)).width(1.0).allow_hover(false));
             }
             for &index in drawn {
-                let set = &scene.sets[index];
-                let here = scene.hover.along(panel).zip(set.analysis()).and_then(|(at, a)| place(panel, a, at));
+                let set = &sets[index];
+                let here = set.analysis().and_then(|analysis| place(panel, analysis, at));
                 if let Some((at, value)) = here.and_then(|(at, value)| Some((x.forward(at)?, y.forward(value)?))) {
                     let dot = Points::new("value", vec![[at, value]]).radius(3.5).color(colors::set(set.color, dark));
                     plot.points(dot.allow_hover(false));
                 }
             }
-            changed
         });
-        let response = shown.response;
-        if shown.inner || response.dragged() {
-            self.zoomed.insert(panel);
+        if let Some(at) = shown.pointer().and_then(|[at, _]| x.backward(at)) {
+            scene.hover.at(panel, if panel == Panel::Pcf { Place::Distance(at) } else { Place::Frequency(at) });
         }
-        if response.double_clicked() {
-            self.reset(panel);
-        }
-        if let Some(pointer) = response.hover_pos() {
-            if let Some(at) = x.backward(shown.transform.value_from_position(pointer).x) {
-                scene.hover.at(panel, if panel == Panel::Pcf { Place::Distance(at) } else { Place::Frequency(at) });
-            }
-        }
-        let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].name()).collect();
-        let described = format!("{} of {}, along {}", panel.name(), names.join(", "), x.label());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &described));
     }
 }
 

@@ -1,11 +1,12 @@
 //! The panels, in a grid that suits the window.
 
+mod chart;
 mod curves;
 mod images;
 mod points;
 
 use eframe::egui;
-use pairwave::report::Panel;
+use pairwave::report::{Panel, overlays};
 
 use crate::colors;
 use crate::export::Exports;
@@ -26,6 +27,7 @@ pub(crate) struct Scene<'a> {
 /// What panels keep between frames.
 #[derive(Default)]
 pub(crate) struct Panels {
+    zoomed: chart::Zoomed,
     curves: curves::Curves,
     images: images::Images,
     points: points::Points,
@@ -60,61 +62,62 @@ impl Panels {
         ui.allocate_rect(area, egui::Sense::hover());
     }
 
-    /// Whether a person has chosen what is seen of a panel.
-    fn is_zoomed(&self, panel: Panel) -> bool {
-        self.curves.is_zoomed(panel)
-    }
-
-    /// Shows all of a panel again.
-    pub(crate) fn reset(&mut self, panel: Panel) {
-        self.curves.reset(panel);
-    }
-
     /// Shows all of every panel again.
-    pub(crate) fn reset_all(&mut self) {
-        Panel::ALL.into_iter().for_each(|panel| self.reset(panel));
+    pub(crate) fn reset(&mut self) {
+        Panel::ALL.iter().for_each(|panel| self.zoomed.reset(*panel));
     }
 
     /// A panel with its title and its buttons.
     fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
         let drawn = egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
+            let room = ui.available_size() - egui::vec2(0.0, 48.0);
             ui.horizontal(|ui| {
-                ui.strong(panel.name()).on_hover_text(panel.definition());
+                let title =
+                    ui.add(egui::Label::new(egui::RichText::new(panel.name()).strong()).sense(egui::Sense::click()));
+                let full = scene.view.maximized == Some(panel);
+                let mut toggled = title.on_hover_text(panel.definition()).double_clicked();
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    let full = scene.view.maximized == Some(panel);
-                    let (sign, text) = if full {
-                        ("🗗", "Show all panels again (Escape)")
-                    } else {
-                        ("🗖", "Fill the window (double click on the title)")
+                    let (sign, text) = match full {
+                        true => ("🗗", "Show all panels again (Escape)".to_string()),
+                        false => ("🗖", format!("Fill the window with {} (double click on the title)", panel.name())),
                     };
-                    if crate::controls::icon(ui, sign, text).clicked() {
-                        scene.view.maximized = if full { None } else { Some(panel) };
-                    }
-                    if self.is_zoomed(panel) && crate::controls::icon(ui, "⟲", "Show all (double click)").clicked() {
-                        self.reset(panel);
-                    }
+                    toggled |= crate::controls::icon(ui, sign, &text).clicked();
                     if let Some(set) = scene.sets.get(scene.selected) {
                         scene.exports.menu(ui, panel, set, scene.sets.len());
                     }
+                    if self.zoomed.is(panel) && crate::controls::icon(ui, "⟲", "Show all (double click, R)").clicked()
+                    {
+                        self.zoomed.reset(panel);
+                    }
+                    let curves = matches!(panel, Panel::Pcf | Panel::Radial | Panel::Anisotropy);
+                    if curves && !chart::is_roomy(ui.available_rect_before_wrap().size().max(room)) {
+                        let caption = curves::Curves::caption(panel, scene).unwrap_or_default();
+                        let caption = egui::RichText::new(caption).small().weak();
+                        let left = egui::Layout::left_to_right(egui::Align::Center);
+                        ui.with_layout(left, |ui| ui.add(egui::Label::new(caption).truncate()));
+                    }
                 });
+                if toggled {
+                    scene.view.maximized = if full { None } else { Some(panel) };
+                }
             });
             match panel {
-                Panel::Points => self.points.show(ui, scene),
-                Panel::Pcf | Panel::Radial | Panel::Anisotropy => self.curves.show(ui, panel, scene),
-                Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene),
+                Panel::Points => self.points.show(ui, scene, &mut self.zoomed),
+                Panel::Pcf | Panel::Radial | Panel::Anisotropy => self.curves.show(ui, panel, scene, &mut self.zoomed),
+                Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene, &mut self.zoomed),
             }
         });
         scene.exports.at(panel, drawn.response.rect);
     }
 }
 
-/// How many columns make panels closest to a little wider than high.
+/// How many columns make panels closest to square.
 fn columns(panels: usize, size: egui::Vec2) -> usize {
     let shape = |columns: usize| {
         let rows = panels.div_ceil(columns);
         let ratio = (size.x / columns as f32) / (size.y / rows as f32);
-        (ratio / 1.2).ln().abs()
+        ratio.ln().abs()
     };
     (1..=panels).min_by(|&a, &b| shape(a).total_cmp(&shape(b))).unwrap_or(1)
 }
@@ -123,15 +126,15 @@ fn columns(panels: usize, size: egui::Vec2) -> usize {
 fn colored_line(ui: &mut egui::Ui, texts: Vec<(usize, String, String)>) {
     let dark = ui.visuals().dark_mode;
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-    let each = size.x / texts.len().max(1) as f32;
-    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_min_size(size);
-        ui.spacing_mut().item_spacing.x = 0.0;
-        for (color, text, long) in texts {
-            let label = egui::Label::new(egui::RichText::new(text).small().color(colors::set(color, dark))).truncate();
-            ui.allocate_ui(egui::vec2(each, size.y), |ui| ui.add(label).on_hover_text(long));
-        }
-    });
+    let (line, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let width = size.x / texts.len().max(1) as f32;
+    for (index, (color, text, long)) in texts.into_iter().enumerate() {
+        let corner = line.min + egui::vec2(index as f32 * width, 0.0);
+        let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 6.0, size.y));
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = egui::Label::new(egui::RichText::new(text).small().color(colors::set(color, dark))).truncate();
+        ui.scope_builder(egui::UiBuilder::new().max_rect(rect).layout(layout), |ui| ui.add(label).on_hover_text(long));
+    }
 }
 
 /// Why there is nothing to draw: what the sets that are visible say, or `otherwise`.
@@ -147,4 +150,20 @@ fn said_instead(ui: &mut egui::Ui, scene: &Scene<'_>, otherwise: &str) {
         None => (otherwise.to_string(), ui.visuals().weak_text_color()),
     };
     ui.centered_and_justified(|ui| ui.add(egui::Label::new(egui::RichText::new(text).color(color)).wrap()));
+}
+
+/// In 3D, the planes to look at: a choice of them.
+fn planes(ui: &mut egui::Ui, scene: &mut Scene<'_>) {
+    let dims = scene.sets.iter().filter(|set| set.visible).filter_map(|set| set.analysis()).map(|a| a.domain.dim());
+    let all = overlays::planes(dims.max().unwrap_or(2));
+    if all.len() < 2 {
+        return;
+    }
+    ui.horizontal(|ui| {
+        for (index, plane) in all.iter().enumerate() {
+            let name: String = plane.iter().map(|axis| ["x", "y", "z"][*axis]).collect();
+            let help = format!("Look at {name}");
+            ui.selectable_value(&mut scene.view.plane, index, name).on_hover_text(help);
+        }
+    });
 }

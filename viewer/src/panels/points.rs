@@ -1,17 +1,268 @@
-//! The points of the first realization.
+//! The points of the first realization, with what is drawn over them.
+
+use std::collections::HashMap;
 
 use eframe::egui;
+use pairwave::analysis::Analysis;
+use pairwave::compute::Control;
+use pairwave::points::Boundary;
+use pairwave::report::{Axis, Frame, Panel, overlays};
+use pairwave::request::PointsRequest;
 
-use super::Scene;
+use super::chart::{Chart, Shown, Zoomed};
+use super::{Scene, colored_line, planes, said_instead};
+use crate::colors;
+use crate::engine::SetId;
+use crate::hover::Place;
+use crate::set::Set;
+use crate::view::View;
+
+/// More points than this are drawn in part: a screen has no room for them.
+const MOST: usize = 20_000;
+
+/// More indices than this are not drawn: nobody could read them.
+const MOST_INDICES: usize = 400;
 
 /// What is drawn over points, kept until the points change.
 #[derive(Default)]
-pub(crate) struct Points {}
+pub(crate) struct Points {
+    kept: HashMap<SetId, Kept>,
+}
+
+struct Kept {
+    of: (PointsRequest, [usize; 2]),
+    /// Number of points, and which of them are drawn: every so many.
+    n: usize,
+    every: usize,
+    places: Vec<[f64; 2]>,
+    tiles: Vec<[f64; 2]>,
+    strata: Vec<[[f64; 2]; 2]>,
+    /// Made when they are first asked for.
+    links: Option<Vec<[[f64; 2]; 2]>>,
+    frame: [[f64; 2]; 2],
+}
+
+impl Kept {
+    fn new(of: (PointsRequest, [usize; 2]), analysis: &Analysis) -> Self {
+        let plane = of.1;
+        let all = overlays::projected(&analysis.first, plane);
+        let every = all.len().div_ceil(MOST).max(1);
+        let places: Vec<[f64; 2]> = all.iter().copied().step_by(every).collect();
+        let tiles = overlays::tiles(&analysis.domain, plane, &places).unwrap_or_default();
+        let strata = overlays::strata_lines(&analysis.domain, plane, all.len()).unwrap_or_default();
+        let frame = overlays::frame(&analysis.domain, plane);
+        Self { of, n: all.len(), every, places, tiles, strata, links: None, frame }
+    }
+}
 
 impl Points {
     /// Draws the points.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>) {
-        let _ = scene;
-        ui.label("");
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
+        let drawn = self.prepare(scene);
+        if drawn.is_empty() {
+            return said_instead(ui, scene, "there are no points");
+        }
+        planes(ui, scene);
+        self.readouts(ui, scene, &drawn);
+        let charts: Vec<Vec<usize>> = match scene.view.side_by_side {
+            true => drawn.into_iter().map(|s| vec![s]).collect(),
+            false => vec![drawn],
+        };
+        let area = ui.available_rect_before_wrap();
+        let width = area.width() / charts.len() as f32;
+        for (index, sets) in charts.iter().enumerate() {
+            let corner = area.min + egui::vec2(width * index as f32, 0.0);
+            let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 4.0, area.height()));
+            let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
+            ui.scope_builder(builder, |ui| self.chart(ui, index, sets, scene, zoomed));
+        }
+        ui.allocate_rect(area, egui::Sense::hover());
+    }
+
+    /// Brings up to date what is kept. The sets that have points, the selected one last.
+    fn prepare(&mut self, scene: &Scene<'_>) -> Vec<usize> {
+        self.kept.retain(|id, _| scene.sets.iter().any(|set| set.visible && set.id == *id));
+        let mut drawn = Vec::new();
+        for (index, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.visible) {
+            let (Some(analysis), Some(snapshot)) = (set.analysis(), &set.snapshot) else { continue };
+            // More realizations leave the first alone.
+            let points = PointsRequest { realizations: None, ..snapshot.request.input.clone() };
+            let all = overlays::planes(analysis.domain.dim());
+            let of = (points, all[scene.view.plane.min(all.len() - 1)]);
+            if self.kept.get(&set.id).is_none_or(|kept| kept.of != of) {
+                self.kept.insert(set.id, Kept::new(of, analysis));
+            }
+            if let Some(kept) = self.kept.get_mut(&set.id).filter(|_| scene.view.links) {
+                let (few, plane) = (kept.every == 1, kept.of.1);
+                kept.links.get_or_insert_with(|| match few {
+                    true => overlays::neighbor_links(&analysis.first, plane, &Control::default()).unwrap_or_default(),
+                    false => Vec::new(),
+                });
+            }
+            drawn.push(index);
+        }
+        drawn.sort_by_key(|&index| index == scene.selected);
+        drawn
+    }
+
+    fn chart(&self, ui: &mut egui::Ui, index: usize, sets: &[usize], scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
+        let Some(analysis) = sets.first().and_then(|&s| scene.sets[s].analysis()) else { return };
+        let all = overlays::planes(analysis.domain.dim());
+        let plane = all[scene.view.plane.min(all.len() - 1)];
+        let [axis, y_axis] = plane.map(|axis| Axis::coordinate(analysis, scene.view.length_unit, axis));
+        let square = analysis.domain.dim() > 1;
+        let frames = sets.iter().filter_map(|&s| self.kept.get(&scene.sets[s].id)).map(|kept| {
+            let [low, high] = kept.frame.map(|corner| corner.map(|v| axis.in_unit(v)));
+            let tiled = scene.view.tiling && analysis.domain.boundary() == Boundary::Torus;
+            let reach = |k: usize| {
+                let side = if tiled { high[k] - low[k] } else { 0.0 };
+                [low[k] - side, high[k] + side]
+            };
+            Frame { x: reach(0), y: if square { reach(1) } else { [-0.5, 0.5] } }
+        });
+        let Some(frame) = frames.reduce(Frame::union) else { return };
+        let names: Vec<String> = sets.iter().map(|&s| scene.sets[s].name()).collect();
+        let described =
+            format!("points of {}, first realization, along {} and {}", names.join(", "), axis.label(), y_axis.label());
+        let chart = Chart {
+            panel: Panel::Points,
+            index,
+            x: axis,
+            y: y_axis,
+            frame,
+            square,
+            picture: false,
+            described: &described,
+        };
+        let shown = chart.show(ui, zoomed, |_| ());
+        let (painter, dark) = (shown.painter(ui), ui.visuals().dark_mode);
+        let mut nearest: Option<(f32, Place)> = None;
+        for &s in sets {
+            let set = &scene.sets[s];
+            let Some(kept) = self.kept.get(&set.id) else { continue };
+            let of_set = Drawing { kept, axis, shown: &shown, painter: &painter, color: colors::set(set.color, dark) };
+            of_set.paint(ui, scene.view);
+            if let (Some(at), Some(r)) = (of_set.central(), scene.hover.distance()) {
+                let edge = of_set.at([at[0] + r, at[1]]);
+                let stroke = egui::Stroke::new(1.5, ui.visuals().text_color().gamma_multiply(0.6));
+                painter.circle_stroke(of_set.at(at), edge.x - of_set.at(at).x, stroke);
+            }
+            if let Some((distance, k)) = shown.response.hover_pos().and_then(|pointer| of_set.nearest(pointer)) {
+                if nearest.is_none_or(|(closest, _)| distance < closest) {
+                    nearest = Some((distance, Place::Point(set.id, k)));
+                }
+            }
+            if let Some(Place::Point(id, k)) = scene.hover.place() {
+                let here = kept.places.get(k / kept.every).filter(|_| id == set.id);
+                if let Some(place) = here {
+                    let stroke = egui::Stroke::new(1.5, ui.visuals().text_color());
+                    painter.circle_stroke(of_set.at(*place), 6.0, stroke);
+                }
+            }
+        }
+        if let Some((_, place)) = nearest {
+            scene.hover.at(Panel::Points, place);
+        }
+    }
+
+    /// A line with the names of the sets, or the point under the pointer.
+    fn readouts(&self, ui: &mut egui::Ui, scene: &Scene<'_>, drawn: &[usize]) {
+        let mut sets: Vec<&Set> = drawn.iter().map(|&s| &scene.sets[s]).collect();
+        sets.sort_by_key(|set| set.id);
+        let texts = sets.into_iter().filter_map(|set| {
+            let (kept, analysis) = (self.kept.get(&set.id)?, set.analysis()?);
+            let text = match scene.hover.place() {
+                Some(Place::Point(id, k)) if id == set.id => overlays::point_text(&analysis.first, k)?,
+                _ if kept.every > 1 => format!("{}, every {}th of {} points", set.name(), kept.every, kept.n),
+                _ => format!("{}, {} points", set.name(), kept.n),
+            };
+            let hidden = [
+                (scene.view.links && kept.every > 1).then(|| format!("no links for more than {MOST} points")),
+                (scene.view.strata && kept.strata.is_empty()).then(|| "no strata: n is no power".to_string()),
+            ];
+            let text = std::iter::once(text).chain(hidden.into_iter().flatten()).collect::<Vec<_>>().join("; ");
+            Some((set.color, text.clone(), text))
+        });
+        colored_line(ui, texts.collect());
+    }
+}
+
+/// A set being drawn.
+struct Drawing<'a> {
+    kept: &'a Kept,
+    axis: Axis,
+    shown: &'a Shown,
+    painter: &'a egui::Painter,
+    color: egui::Color32,
+}
+
+impl Drawing<'_> {
+    fn at(&self, place: [f64; 2]) -> egui::Pos2 {
+        self.shown.on_screen(place.map(|v| self.axis.in_unit(v)))
+    }
+
+    fn paint(&self, ui: &egui::Ui, view: &View) {
+        let visible = self.shown.response.rect.expand(4.0);
+        let lines = |segments: &[[[f64; 2]; 2]], stroke: egui::Stroke| {
+            for ends in segments.iter().map(|s| s.map(|place| self.at(place))) {
+                self.painter.line_segment(ends, stroke);
+            }
+        };
+        let weak = ui.visuals().weak_text_color();
+        if view.strata {
+            lines(&self.kept.strata, egui::Stroke::new(1.0, weak.gamma_multiply(0.5)));
+        }
+        let [low, high] = self.kept.frame.map(|corner| self.at(corner));
+        let outline = egui::Stroke::new(1.0, weak);
+        self.painter.rect_stroke(egui::Rect::from_two_pos(low, high), 0.0, outline, egui::StrokeKind::Middle);
+        if view.links {
+            lines(
+                self.kept.links.as_deref().unwrap_or_default(),
+                egui::Stroke::new(1.0, self.color.gamma_multiply(0.6)),
+            );
+        }
+        // About a sixth of the mean spacing, as far as that can be seen.
+        let spacing = ((high.x - low.x).abs() * (high.y - low.y).abs().max(1.0) / self.kept.places.len() as f32).sqrt();
+        let radius = (spacing / 6.0).clamp(0.7, 4.0);
+        let dots = |places: &[[f64; 2]], color: egui::Color32| {
+            for at in places.iter().map(|place| self.at(*place)).filter(|at| visible.contains(*at)) {
+                self.painter.circle_filled(at, radius, color);
+            }
+        };
+        if view.tiling {
+            dots(&self.kept.tiles, self.color.gamma_multiply(0.35));
+        }
+        dots(&self.kept.places, self.color);
+        if view.indices {
+            let seen = self.kept.places.iter().enumerate().map(|(k, place)| (k, self.at(*place)));
+            let seen: Vec<_> = seen.filter(|(_, at)| visible.contains(*at)).collect();
+            let font = egui::TextStyle::Small.resolve(ui.style());
+            let color = ui.visuals().text_color();
+            let align = egui::Align2::LEFT_BOTTOM;
+            if seen.len() <= MOST_INDICES {
+                for (k, at) in seen {
+                    let text = (k * self.kept.every).to_string();
+                    self.painter.text(at + egui::vec2(radius, -radius), align, text, font.clone(), color);
+                }
+            } else {
+                let corner = visible.left_bottom() + egui::vec2(8.0, -8.0);
+                self.painter.text(corner, align, "zoom in to see indices", font, color);
+            }
+        }
+    }
+
+    /// The point drawn next to the pointer, if one is near, with its distance on the screen.
+    fn nearest(&self, pointer: egui::Pos2) -> Option<(f32, usize)> {
+        let distances = self.kept.places.iter().enumerate().map(|(k, place)| (self.at(*place).distance(pointer), k));
+        let (distance, k) = distances.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (distance < 16.0).then_some((distance, k * self.kept.every))
+    }
+
+    /// A point about in the middle.
+    fn central(&self) -> Option<[f64; 2]> {
+        let [low, high] = self.kept.frame;
+        let middle = self.at([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);
+        let near = |a: &[f64; 2]| self.at(*a).distance_sq(middle);
+        self.kept.places.iter().copied().min_by(|a, b| near(a).total_cmp(&near(b)))
     }
 }
