@@ -351,11 +351,14 @@ fn a_picture_as_shown_is_the_part_of_the_screen() {
             }
             places.push(([x, y], part.size));
         }
-        // One above the other, they fill the column but for the gap between them.
-        let [([x0, y0], [w0, h0]), ([x1, y1], [w1, h1])] = places[..] else { panic!() };
-        assert!(x0 == x1 && w0 == w1 && h0.abs_diff(h1) <= 1, "{places:?}");
-        assert!((y1 as f32 - (y0 + h0) as f32 - 6.0 * scale).abs() <= 1.0, "{places:?}");
-        assert!(w0 as f32 > 700.0 * scale && (h0 + h1) as f32 > 600.0 * scale, "{places:?}");
+        // Beside or above each other, they fill the window beside the controls but for the gap between them.
+        let [(first, a), (second, b)] = places[..] else { panic!() };
+        let along = usize::from(first[0] == second[0]);
+        let across = 1 - along;
+        assert!(first[across] == second[across] && a[across] == b[across], "{places:?}");
+        assert!(((second[along] - first[along] - a[along]) as f32 - 6.0 * scale).abs() <= 1.0, "{places:?}");
+        let size = [second[0] + b[0] - first[0], second[1] + b[1] - first[1]].map(|side| side as f32 / scale);
+        assert!(size[0] > 700.0 && size[1] > 600.0, "{places:?}");
 
         window.get_by_label("Take away g(r)").click();
         window.step();
