@@ -142,7 +142,8 @@ fn panels_know_what_they_hand_out() {
             found.push(made);
         }
     }
-    for of in [|o: &report::Offers| o.svg, |o| o.png, |o| o.csv, |o| o.npy] {
+    let kinds: [fn(&report::Offers) -> bool; 4] = [|o| o.svg, |o| o.png, |o| o.csv, |o| o.npy];
+    for of in kinds {
         assert!(found.iter().any(of) && !found.iter().all(of));
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Exports {
 struct Shot {
     panel: Panel,
     take: Take,
-    /// Frames until it is taken: the menu is to be gone.
+    /// Frames until it is taken: the menu is to be gone, and what it covered is not yet under the pointer.
     wait: Option<u32>,
 }
 

@@ -6,7 +6,6 @@ use pairwave::report::Panel;
 
 use crate::app::Viewer;
 use crate::files::Choice;
-use crate::set::MOST_SETS;
 use crate::view::Theme;
 
 /// What a key does.
@@ -106,24 +105,25 @@ pub const SHORTCUTS: [Shortcut; 18] = [
 ];
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 7] = [
+const MOUSE: [(&str, &str); 8] = [
     ("point at", "mark the same distance or frequency in every panel, with value, error and unit"),
     ("drag", "pan"),
-    ("Ctrl + wheel", "zoom; so does pinching"),
+    ("wheel, pinch", "zoom"),
     ("right drag", "zoom to a box in a plot"),
     ("double click", "in a plot: reset its zoom; on a title: fill the window, show all again"),
-    ("⏷ of a panel", "take away its picture, figure, numbers or command"),
+    ("📤 of a panel", "take away its picture, figure, numbers or command"),
+    ("any setting", "point at it: what it means, its unit and its flag"),
     ("drop files", "points as a set of their own, or a session"),
 ];
 
 /// What is drawn.
 const MARKS: [(&str, &str); 6] = [
     ("line", "estimate, in the colour of its set"),
-    ("band", "± one standard error; it shrinks as realizations come in"),
+    ("band", "± one standard error; shrinks as realizations come in"),
     ("dashed line", "closed form, where the sampler has one"),
     ("level", "complete randomness: g = 1, P = 1; of the anisotropy −10 log10 K dB"),
     ("grey centre", "of P(m): DC, which is the number of points and no fluctuation"),
-    ("bar", "colours of a picture and the values that they stand for"),
+    ("bar", "the values that the colours of a picture stand for"),
 ];
 
 /// Realizations are not doubled beyond this.
@@ -189,11 +189,8 @@ fn act(ctx: &egui::Context, viewer: &mut Viewer, action: Action, index: usize) {
         Action::Panel => viewer.view.maximized = Panel::ALL.get(index).copied(),
         Action::ResetZoom => viewer.panels.reset(),
         Action::Theme => {
-            viewer.view.theme = match viewer.view.theme {
-                Theme::System => Theme::Light,
-                Theme::Light => Theme::Dark,
-                Theme::Dark => Theme::System,
-            };
+            let at = Theme::ALL.iter().position(|theme| *theme == viewer.view.theme).unwrap_or_default();
+            viewer.view.theme = Theme::ALL[(at + 1) % Theme::ALL.len()];
         }
         Action::More => generated(viewer, |k, _| *k = k.saturating_mul(2).min(MOST_REALIZATIONS.max(*k))),
         Action::Fewer => generated(viewer, |k, _| *k = (*k / 2).max(1)),
@@ -216,7 +213,7 @@ fn act(ctx: &egui::Context, viewer: &mut Viewer, action: Action, index: usize) {
 
 /// Adds a set of a sampler that no other set is of.
 fn add(viewer: &mut Viewer) {
-    let names = || pairwave::samplers::registry().into_iter().map(|sampler| sampler.name());
+    let names = || pairwave::samplers::registry().iter().map(|sampler| sampler.name());
     let other = |name: &&str| viewer.sets.iter().all(|set| set.request.input.sampler.as_deref() != Some(*name));
     if let Some(name) = names().find(other).or_else(|| names().next()) {
         viewer.add_sampler(name);
@@ -250,7 +247,8 @@ pub(crate) fn show(ctx: &egui::Context, viewer: &mut Viewer) {
     }
     let screen = ctx.content_rect().size();
     let width = (screen.x - 64.0).min(860.0);
-    let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(12);
+    let modal = egui::Modal::new(egui::Id::unique("help")).frame(frame).show(ctx, |ui| {
         ui.set_width(width);
         ui.horizontal(|ui| {
             ui.heading("Keys, mouse and marks");
@@ -262,7 +260,9 @@ pub(crate) fn show(ctx: &egui::Context, viewer: &mut Viewer) {
         .inner
         .then(|| ui.close());
         ui.separator();
-        egui::ScrollArea::vertical().max_height(screen.y - 120.0).show(ui, |ui| columns(ui, width));
+        let most = screen.y - 120.0;
+        let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most);
+        area.show(ui, |ui| columns(ui, width));
     });
     ctx.accesskit_node_builder(modal.response.id, |node| {
         node.set_role(egui::accesskit::Role::Dialog);
@@ -276,21 +276,20 @@ pub(crate) fn show(ctx: &egui::Context, viewer: &mut Viewer) {
 /// Keys at the left, the rest at the right; one below the other where it is narrow.
 fn columns(ui: &mut egui::Ui, width: f32) {
     let keys = |ui: &mut egui::Ui| {
-        ui.strong("Keys");
+        title(ui, "Keys");
         for shortcut in &SHORTCUTS {
             row(ui, &shortcut.text(ui.ctx()), shortcut.words);
         }
         row(ui, "Tab", "the next control; Space or Enter presses it");
     };
     let rest = |ui: &mut egui::Ui| {
-        for (title, rows) in [("Mouse", MOUSE.as_slice()), ("Marks", &MARKS)] {
-            ui.strong(title);
+        for (name, rows) in [("Mouse", MOUSE.as_slice()), ("Marks", &MARKS)] {
+            title(ui, name);
             for (what, words) in rows {
                 row(ui, what, words);
             }
             ui.add_space(8.0);
         }
-        ui.weak(format!("Up to {MOST_SETS} sets are shown together. Every setting says what it is when pointed at."));
     };
     if width < 560.0 {
         keys(ui);
@@ -302,6 +301,11 @@ fn columns(ui: &mut egui::Ui, width: f32) {
         keys(left);
         rest(right);
     });
+}
+
+fn title(ui: &mut egui::Ui, text: &str) {
+    ui.label(egui::RichText::new(text).strong().size(15.0));
+    ui.add_space(2.0);
 }
 
 fn row(ui: &mut egui::Ui, what: &str, words: &str) {

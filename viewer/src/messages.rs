@@ -8,6 +8,9 @@ use crate::controls;
 /// Seconds that a note stays; errors stay until they are closed.
 const STAYS: f64 = 8.0;
 
+/// Room for the button that closes one.
+const CLOSE: f32 = 40.0;
+
 /// No more than this many: the oldest goes first.
 const MOST: usize = 20;
 
@@ -55,7 +58,9 @@ pub(crate) fn show(ctx: &egui::Context, viewer: &mut Viewer, panels: egui::Rect)
         .fixed_pos(panels.max - egui::vec2(8.0, 8.0))
         .constrain(true)
         .show(ctx, |ui| {
-            egui::ScrollArea::vertical().max_height(0.5 * panels.height()).stick_to_bottom(true).show(ui, |ui| {
+            let most = 0.5 * panels.height();
+            let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most).stick_to_bottom(true);
+            area.show(ui, |ui| {
                 ui.set_width(width);
                 for (index, message) in viewer.messages.iter_mut().enumerate() {
                     let since = *message.since.get_or_insert(now);
@@ -83,18 +88,23 @@ fn draw(ui: &mut egui::Ui, message: &Message) -> bool {
         false => ("✔", visuals.weak_text_color()),
     };
     let frame = egui::Frame::popup(ui.style()).inner_margin(6).stroke(egui::Stroke::new(1.0, color));
-    let inner = frame.show(ui, |ui| {
+    let shown = frame.show(ui, |ui| {
+        ui.set_width(ui.available_width());
         ui.horizontal_top(|ui| {
             ui.colored_label(color, sign);
-            let room = ui.available_width() - 26.0;
-            let text = ui.scope(|ui| {
+            let room = ui.available_width() - CLOSE;
+            let text = ui.vertical(|ui| {
                 ui.set_width(room);
                 ui.add(egui::Label::new(&message.text).wrap().selectable(true))
             });
             let live = if message.is_error { egui::accesskit::Live::Assertive } else { egui::accesskit::Live::Polite };
             ui.ctx().accesskit_node_builder(text.inner.id, |node| node.set_live(live));
-            controls::icon(ui, "✖", "Close this message").clicked()
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::TOP), |ui| {
+                controls::icon(ui, "✖", "Close this message").clicked()
+            })
+            .inner
         })
+        .inner
     });
-    inner.inner.inner
+    shown.inner
 }

@@ -90,10 +90,12 @@ fn copied(window: &Window) -> Option<String> {
 
 /// Presses a key; what is on the clipboard then.
 fn press(window: &mut Window, modifiers: Modifiers, key: Key) -> Option<String> {
-    window.key_down_modifiers(modifiers, key);
+    let event = |pressed| egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+    window.event(egui::Event::ModifiersChanged(modifiers));
+    window.event(event(true));
     window.step();
     let copied = copied(window);
-    window.key_up_modifiers(modifiers, key);
+    window.event(event(false));
     window.event(egui::Event::ModifiersChanged(Modifiers::NONE));
     window.step();
     window.run_steps(2);
@@ -108,6 +110,9 @@ fn take(window: &mut Window, panel: Panel, entry: &str) -> Option<String> {
     window.get_by_label_contains(entry).click();
     window.step();
     let copied = copied(window);
+    // Nothing is under the pointer while the screen is read.
+    window.remove_cursor();
+    window.step();
     window.run_steps(4);
     copied
 }
@@ -338,13 +343,22 @@ fn a_picture_as_shown_is_the_part_of_the_screen() {
             let inside =
                 |at: f32, from: usize, size: usize| at * scale > from as f32 && at * scale < (from + size) as f32;
             assert!(inside(button.center().x, x, part.size[0]) && inside(button.center().y, y, part.size[1]));
+            if scale == 1.0 {
+                // From one line of the frame to the other.
+                let pixel = |x: usize| &part.rgb[3 * (part.size[1] / 2 * part.size[0] + x)..][..3];
+                let last = part.size[0] - 1;
+                assert!(pixel(0) == pixel(last) && pixel(1) == pixel(last - 1) && pixel(0) != pixel(1), "{panel:?}");
+            }
             places.push(([x, y], part.size));
         }
-        // Panels fill their row but for the gap between them.
-        let [([x0, y0], [w0, h0]), ([x1, y1], [_, h1])] = places[..] else { panic!() };
-        assert!(y0 == y1 && h0 == h1, "{places:?}");
-        assert!((x1 as f32 - (x0 + w0) as f32 - 6.0 * scale).abs() <= 1.0, "{places:?}");
-        assert!(h0 as f32 > 500.0 * scale, "{places:?}");
+        // Beside or above each other, they fill the window beside the controls but for the gap between them.
+        let [(first, a), (second, b)] = places[..] else { panic!() };
+        let along = usize::from(first[0] == second[0]);
+        let across = 1 - along;
+        assert!(first[across] == second[across] && a[across] == b[across], "{places:?}");
+        assert!(((second[along] - first[along] - a[along]) as f32 - 6.0 * scale).abs() <= 1.0, "{places:?}");
+        let size = [second[0] + b[0] - first[0], second[1] + b[1] - first[1]].map(|side| side as f32 / scale);
+        assert!(size[0] > 700.0 && size[1] > 600.0, "{places:?}");
 
         window.get_by_label("Take away g(r)").click();
         window.step();
