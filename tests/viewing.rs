@@ -204,6 +204,7 @@ fn curves_are_the_estimates_in_the_units_of_their_axes() {
     let theory: Vec<f64> = curve.closed_form[0].iter().map(|p| p[1]).collect();
     assert_eq!(theory, *analysis.closed_form.g.as_ref().unwrap());
     assert_eq!((curve.reference, curve.frame.x[0], curve.frame.y[0]), (Some(1.0), 0.0, 0.0));
+    assert_eq!(curve.landmark, Some((1.0, "d_hex".into())));
 
     // Of the logarithm of 0 there is none: the line begins where g does.
     let log = Panel::Pcf.curve(&analysis, r, Axis::g(AxisScale::Log)).unwrap();
@@ -219,6 +220,7 @@ fn curves_are_the_estimates_in_the_units_of_their_axes() {
         let expected = [(ring.nu / 8.0).log10(), 10.0 * ring.p.log10()];
         assert!(place.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{place:?} {expected:?}");
     }
+    assert_eq!(decibel.landmark, Some((0.0, "√n".into())));
     let anisotropy = Panel::Anisotropy.curve(&analysis, nu, Axis::anisotropy()).unwrap();
     assert_eq!(anisotropy.reference, Some(radial.anisotropy_reference_db));
     let known = radial.rings.iter().filter_map(|ring| ring.anisotropy_db).collect::<Vec<_>>();
@@ -229,7 +231,61 @@ fn curves_are_the_estimates_in_the_units_of_their_axes() {
     let line = analyze("--sampler jittered -n 16 -k 2 --dim 1 --stats radial");
     let nu = Axis::frequency(&line, FrequencyUnit::Cycles, AxisScale::Linear);
     assert_eq!(Panel::Anisotropy.curve(&line, nu, Axis::anisotropy()), None);
+    assert!(Panel::Anisotropy.without_curve(&line).contains("one dimension"));
     assert!(Panel::Radial.curve(&line, nu, Axis::p(AxisScale::Linear)).is_some());
+    let list = tempfile::NamedTempFile::new().unwrap();
+    fs::write(list.path(), "1,0\n2,3\n").unwrap();
+    let list = analyze(&format!("--sampler random -n 50 --stats spectrum --frequencies {}", list.path().display()));
+    assert_eq!(Panel::Radial.curve(&list, nu, Axis::p(AxisScale::Linear)), None);
+    assert!(Panel::Radial.without_curve(&list).contains("list"));
+}
+
+/// The places of a curve that are not those of its table, by the columns (x, value, error).
+fn misplaced(panel: Panel, analysis: &Analysis, columns: [&str; 3], curve: &report::Curve) -> usize {
+    let table = String::from_utf8(panel.csv(analysis).unwrap().unwrap()).unwrap();
+    let lines: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    let header: Vec<&str> = lines[0].split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name} in {header:?}"));
+    let [x, value, error] = columns.map(column);
+    let number = |line: &str, at: usize| line.split(',').nth(at).unwrap().parse::<f64>().unwrap();
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1e-3);
+    let (places, bands) = (curve.line.iter().flatten(), curve.band.iter().flatten());
+    assert_eq!(
+        (curve.line.iter().flatten().count(), curve.band.iter().flatten().count()),
+        (lines.len() - 1, lines.len() - 1)
+    );
+    let wrong = |((line, place), [_, low, high]): (((&&str, &[f64; 2]), &[f64; 3]))| {
+        let (v, se) = (number(line, value), number(line, error));
+        !(near(place[0], number(line, x)) && near(place[1], v) && near(*low, v - se) && near(*high, v + se))
+    };
+    lines[1..].iter().zip(places).zip(bands).filter(|row| wrong(*row)).count()
+}
+
+#[test]
+fn curves_are_the_numbers_of_the_tables() {
+    let analysis = analyze(&format!("--sampler random -n 64 -k 5 --max-frequency 12 --bins 40 {STATS}"));
+    let linear = AxisScale::Linear;
+    for (panel, x, columns) in [
+        (Panel::Pcf, Axis::distance(&analysis, LengthUnit::Box, linear), ["r", "g", "g_se"]),
+        (Panel::Radial, Axis::frequency(&analysis, FrequencyUnit::Cycles, linear), ["nu", "p", "p_se"]),
+    ] {
+        let mut curve = panel.curve(&analysis, x, Axis::g(linear)).unwrap();
+        assert_eq!(misplaced(panel, &analysis, columns, &curve), 0, "{panel:?}");
+        // Planted faults: one value, one end of a band.
+        curve.line[0][3][1] *= 1.0 + 1e-6;
+        curve.band[0][7][2] += 1e-6;
+        assert_eq!(misplaced(panel, &analysis, columns, &curve), 2, "{panel:?}");
+    }
+}
+
+#[test]
+fn rounding_does_not_set_the_range_of_decibels() {
+    // A lattice: P is 0 at all but its peaks, in floating point about 1e-30.
+    let analysis = analyze("--sampler grid -n 64 --stats radial --max-frequency 20");
+    let nu = Axis::frequency(&analysis, FrequencyUnit::Cycles, AxisScale::Linear);
+    let curve = Panel::Radial.curve(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
+    let [low, high] = curve.frame.y;
+    assert!(low >= -125.0 && low < 0.0 && high > 0.0 && high < 40.0, "{low} to {high}");
 }
 
 #[test]

@@ -2,8 +2,9 @@
 
 use super::Panel;
 use super::plots::{self, anisotropy_range, top_of};
-use super::units::{Axis, AxisScale};
+use super::units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
 use crate::analysis::Analysis;
+use crate::plan::Convention;
 
 /// A place on a panel, as drawn.
 pub type Drawn = [f64; 2];
@@ -20,6 +21,8 @@ pub struct Curve {
     pub closed_form: Vec<Vec<Drawn>>,
     /// What complete randomness would be: 1, or of anisotropy `-10 log10 K` dB.
     pub reference: Option<f64>,
+    /// The scale of the points along the first axis, and its symbol: the closest-packing distance, or one cycle per mean spacing.
+    pub landmark: Option<(f64, String)>,
     /// What to show of it.
     pub frame: Frame,
 }
@@ -83,8 +86,36 @@ impl Panel {
             band: pieces(samples.iter().map(band)),
             closed_form: pieces(samples.iter().map(|s| place(s.x, s.closed_form))),
             reference: reference.and_then(|r| y.forward(r)),
+            landmark: self.landmark(analysis).and_then(|(at, symbol)| Some((x.forward(at)?, symbol))),
             frame,
         })
+    }
+
+    /// Why an analysis has no such curve.
+    pub fn without_curve(self, analysis: &Analysis) -> &'static str {
+        let rings = matches!(self, Self::Radial | Self::Anisotropy);
+        if self == Self::Anisotropy && analysis.domain.dim() == 1 {
+            "in one dimension a ring is a single mode, which has no anisotropy"
+        } else if rings && analysis.spectrum.as_ref().is_some_and(|s| s.waves.grid().is_none()) {
+            "the wave vectors of a list form no rings"
+        } else {
+            "these settings give no such curve"
+        }
+    }
+
+    fn landmark(self, analysis: &Analysis) -> Option<(f64, String)> {
+        let (domain, n) = (&analysis.domain, analysis.shape.mean_points);
+        match self {
+            Self::Pcf => {
+                let unit = LengthUnit::PackingDistance;
+                Some((unit.size(domain, n), unit.symbol(domain.dim())))
+            }
+            Self::Radial | Self::Anisotropy if analysis.convention == Convention::Ours => {
+                let unit = FrequencyUnit::SqrtN;
+                Some((unit.size(domain, n), unit.symbol(domain)))
+            }
+            _ => None,
+        }
     }
 
     /// Values with their x, what they are compared with, and the range that is drawn on a linear scale.
@@ -133,10 +164,14 @@ impl Panel {
     }
 }
 
+/// What is positive by rounding alone does not set a range: 12 decades below the largest value.
+const LOWEST: f64 = 1e-12;
+
 /// The range of the positive values and closed forms, with complete randomness and some room.
 fn positive(samples: &[Sample], y: Axis) -> Option<[f64; 2]> {
-    let drawn =
-        samples.iter().flat_map(|s| [s.value, s.closed_form]).flatten().chain([1.0]).filter_map(|v| y.forward(v));
+    let values: Vec<f64> = samples.iter().flat_map(|s| [s.value, s.closed_form]).flatten().chain([1.0]).collect();
+    let (_, largest) = plots::extent(&values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<_>>())?;
+    let drawn = values.into_iter().filter(|v| *v > LOWEST * largest).filter_map(|v| y.forward(v));
     let (low, high) = plots::extent(&drawn.collect::<Vec<_>>())?;
     let room = (0.05 * (high - low)).max(y.forward(1.3)?);
     Some([low - room, high + room])

@@ -163,10 +163,9 @@ impl BinAt {
         format!("{} (bin {lo} to {hi}), g = {g}{}", axis.text(self.r), closed(self.theory))
     }
 
-    /// Value and error alone, for little room: `r = 0.03, g = 0.98 ± 0.01`.
-    pub fn brief(&self, axis: Axis) -> String {
-        let r = human(axis.in_unit(self.r));
-        format!("{} = {r}, g = {}", axis.symbol(), with_error(self.g, Some(self.se)))
+    /// g and its error alone, for little room: `0.98 ± 0.01`.
+    pub fn brief(&self) -> String {
+        with_error(self.g, Some(self.se))
     }
 }
 
@@ -181,20 +180,16 @@ impl RingAt {
     }
 
     /// P and its error alone, for little room.
-    pub fn brief(&self, axis: Axis) -> String {
-        let nu = human(axis.in_unit(self.nu));
-        format!("{} = {nu}, P = {}", axis.symbol(), with_error(self.p, Some(self.se)))
+    pub fn brief(&self) -> String {
+        with_error(self.p, Some(self.se))
     }
 
-    /// Anisotropy and what it scatters by alone.
-    pub fn anisotropy_text(&self, axis: Axis) -> String {
-        let nu = human(axis.in_unit(self.nu));
-        let db = match (self.anisotropy_db, self.anisotropy_db_se) {
-            (Some(db), Some(se)) => format!("{} dB (isotropic ± {})", human(db), human(se)),
-            (Some(db), None) => format!("{} dB", human(db)),
-            (None, _) => "undefined".into(),
-        };
-        format!("{} = {nu}, anisotropy {db}", axis.symbol())
+    /// Anisotropy, and what that of an isotropic spectrum scatters by, alone.
+    pub fn anisotropy_brief(&self) -> String {
+        match self.anisotropy_db {
+            Some(db) => format!("{} dB", with_error(db, self.anisotropy_db_se)),
+            None => "undefined".into(),
+        }
     }
 }
 

@@ -265,6 +265,26 @@ impl Axis {
         }
     }
 
+    /// The same where there is little room: `r (length units)`, `ν / √n`, `P (dB)`.
+    pub fn short_label(self) -> String {
+        let symbol = self.symbol();
+        match (self.scale, self.quantity) {
+            (
+                AxisScale::Decibel,
+                Quantity::Distance { .. } | Quantity::Frequency { .. } | Quantity::ForeignFrequency(_),
+            ) => {
+                format!("10 log10({symbol}) (dB)")
+            }
+            (AxisScale::Decibel, _) | (_, Quantity::Decibels(_)) => format!("{symbol} (dB)"),
+            (_, Quantity::Distance { unit: LengthUnit::Box, .. }) => format!("{symbol} (length units)"),
+            (_, Quantity::Frequency { unit: FrequencyUnit::Cycles, .. }) => {
+                format!("{symbol} (cycles per unit length)")
+            }
+            (_, Quantity::ForeignFrequency(unit)) => format!("{symbol} ({unit})"),
+            _ => symbol,
+        }
+    }
+
     /// A value of the analysis with what it is and its unit: `r / d_hex = 0.9804`, `r = 0.03 length units`.
     pub fn text(self, value: f64) -> String {
         let unit = match self.quantity {

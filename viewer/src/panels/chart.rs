@@ -92,7 +92,11 @@ impl Chart<'_> {
         hints = [(0, x), (1, y)].map(|(k, axis)| {
             let hint = std::mem::replace(&mut hints[k], AxisHints::new_x());
             let hint = hint.formatter(tick_text(axis, targets[k])).label_spacing(spacing);
-            if roomy { hint.label(axis.label()) } else { hint }
+            match (roomy, self.square) {
+                (true, _) => hint.label(axis.label()),
+                (false, false) => hint.label(egui::RichText::new(axis.short_label()).small()),
+                (false, true) => hint,
+            }
         });
         let [x_hints, y_hints] = hints;
         let faint = ui.visuals().weak_text_color().gamma_multiply(0.35);
@@ -103,6 +107,9 @@ impl Chart<'_> {
             .allow_double_click_reset(false)
             .allow_scroll(false)
             .allow_zoom(false)
+            .allow_axis_zoom_drag(!self.square)
+            // Those side by side are looked at together.
+            .link_axis(egui::Id::unique(panel.slug()), true)
             .show_x(false)
             .show_y(false)
             .label_formatter(|_| None)
@@ -118,10 +125,6 @@ impl Chart<'_> {
         }
         if self.picture {
             plot = plot.show_grid(false);
-        }
-        if index > 0 || zoomed.is(panel) {
-            // Those side by side are looked at together.
-            plot = plot.link_axis(egui::Id::unique(panel.slug()), true);
         }
         let chosen = zoomed.is(panel);
         let shown = plot.show(ui, move |plot| {
@@ -143,9 +146,13 @@ impl Chart<'_> {
         });
         let response = shown.response;
         ui.data_mut(|d| d.insert_temp(id, response.rect.size()));
-        // A box is drawn with the other button.
-        if shown.inner || response.drag_stopped() || response.dragged() {
+        // By a drag of an axis or a box.
+        let ends = [0, 1].map(|k| [shown.transform.bounds().min()[k], shown.transform.bounds().max()[k]]);
+        let moved = !self.square && !chosen && ends != [frame.x, frame.y];
+        if shown.inner || moved || response.drag_stopped() || response.dragged() {
             zoomed.0.insert(panel);
+            // What was drawn was chosen for what was seen before.
+            ui.ctx().request_repaint();
         }
         if response.double_clicked() {
             zoomed.reset(panel);

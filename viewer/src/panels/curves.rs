@@ -1,9 +1,10 @@
 //! g(r), radial P and anisotropy: a curve per set, with its error band.
 
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 use eframe::egui;
-use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotPoints, Points, VLine};
+use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotPoints, PlotUi, Points, Text, VLine};
 use pairwave::analysis::Analysis;
 use pairwave::report::{Axis, Curve, Frame, Panel, bin_at, ring_at};
 
@@ -19,7 +20,7 @@ use crate::view::View;
 #[derive(Default)]
 pub(crate) struct Curves {
     kept: HashMap<(Panel, SetId), Kept>,
-    frames: HashMap<Panel, Frame>,
+    frames: HashMap<Panel, ((Axis, Axis), Frame)>,
 }
 
 /// The curve of a snapshot along two axes, ready to be drawn.
@@ -28,7 +29,6 @@ struct Kept {
     curve: Curve,
     line: Vec<Vec<PlotPoint>>,
     closed_form: Vec<Vec<PlotPoint>>,
-    band: Vec<[Vec<f64>; 3]>,
 }
 
 impl Kept {
@@ -36,37 +36,88 @@ impl Kept {
         let points = |pieces: &[Vec<[f64; 2]>]| {
             pieces.iter().map(|piece| piece.iter().map(|p| PlotPoint::from(*p)).collect()).collect()
         };
-        let column = |piece: &[[f64; 3]], k: usize| piece.iter().map(|p| p[k]).collect();
-        let band = curve.band.iter().map(|piece| [0, 1, 2].map(|k| column(piece, k))).collect();
-        Self { of, line: points(&curve.line), closed_form: points(&curve.closed_form), band, curve }
+        Self { of, line: points(&curve.line), closed_form: points(&curve.closed_form), curve }
+    }
+}
+
+/// What of a plot is seen, and on how many pixels: more is not drawn.
+struct Seen {
+    x: RangeInclusive<f64>,
+    bottom: f64,
+    columns: usize,
+}
+
+impl Seen {
+    /// What is seen, with a neighbour on either side.
+    fn of<'a, T>(&self, all: &'a [T], x: impl Fn(&T) -> f64) -> &'a [T] {
+        let first = all.partition_point(|p| x(p) < *self.x.start()).saturating_sub(1);
+        let end = (all.partition_point(|p| x(p) <= *self.x.end()) + 1).min(all.len());
+        all.get(first..end).unwrap_or_default()
+    }
+
+    fn column(&self, x: f64) -> i64 {
+        ((x - self.x.start()) / (self.x.end() - self.x.start()) * self.columns as f64) as i64
+    }
+
+    /// Of many points in one column of pixels: the first, the lowest, the highest and the last, which look the same.
+    fn line<'a>(&self, all: &'a [PlotPoint]) -> PlotPoints<'a> {
+        let seen = self.of(all, |p| p.x);
+        if seen.len() <= 4 * self.columns {
+            return PlotPoints::Borrowed(seen);
+        }
+        let mut points = Vec::with_capacity(4 * self.columns + 8);
+        for column in seen.chunk_by(|a, b| self.column(a.x) == self.column(b.x)) {
+            let by_y = |a: &&PlotPoint, b: &&PlotPoint| a.y.total_cmp(&b.y);
+            let mut four = [column.first(), column.iter().min_by(by_y), column.iter().max_by(by_y), column.last()];
+            four.sort_by(|a, b| a.map_or(0.0, |p| p.x).total_cmp(&b.map_or(0.0, |p| p.x)));
+            points.extend(four.into_iter().flatten());
+        }
+        PlotPoints::Owned(points)
+    }
+
+    /// The same of a band, whose columns are as high as their highest.
+    fn band(&self, all: &[[f64; 3]]) -> [Vec<f64>; 3] {
+        let seen = self.of(all, |p| p[0]);
+        let mut band = [const { Vec::new() }; 3];
+        let mut push = |part: [f64; 3]| band.iter_mut().zip(part).for_each(|(column, value)| column.push(value));
+        if seen.len() <= 4 * self.columns {
+            seen.iter().copied().for_each(push);
+            return band;
+        }
+        for column in seen.chunk_by(|a, b| self.column(a[0]) == self.column(b[0])) {
+            let ends = column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], p| [l.min(p[1]), h.max(p[2])]);
+            for at in column.first().into_iter().chain(column.last()) {
+                push([at[0], ends[0], ends[1]]);
+            }
+        }
+        band
     }
 }
 
 impl Curves {
-    /// The name of the first axis, for where there is no room for it beside the axis.
-    pub(super) fn caption(panel: Panel, scene: &Scene<'_>) -> Option<String> {
-        let analysis = scene.sets.iter().filter(|set| set.visible).find_map(Set::analysis)?;
-        Some(axes(panel, analysis, scene.view).0.label())
-    }
-
     /// Draws a panel of curves.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let drawn = self.prepare(panel, scene);
-        let Some(first) = drawn.first().copied() else {
-            said_instead(ui, scene, "these settings give no such curve");
+        let last = drawn.last().and_then(|&index| scene.sets[index].analysis());
+        let Some((x, y)) = last.map(|analysis| axes(panel, analysis, scene.view)) else {
+            let measured = scene.sets.iter().filter(|set| set.visible).find_map(Set::analysis);
+            said_instead(ui, scene, measured.map_or("", |analysis| panel.without_curve(analysis)));
             return;
         };
-        let Some(axes) = scene.sets[first].analysis().map(|a| axes(panel, a, scene.view)) else { return };
-        legend(ui, panel, scene, &drawn);
+        let cut = legend(ui, panel, scene, x, y);
         let frames = drawn.iter().filter_map(|&s| self.kept.get(&(panel, scene.sets[s].id))).map(|k| k.curve.frame);
         let Some(wanted) = frames.reduce(Frame::union) else { return };
-        let frame = self.frames.get(&panel).map_or(wanted, |frame| frame.kept(wanted));
-        self.frames.insert(panel, frame);
+        // While realizations come in curves stand still; in the end what is seen does not depend on how they came.
+        let done = drawn.iter().all(|&s| scene.sets[s].snapshot.as_ref().is_some_and(|s| s.done));
+        let frame = match self.frames.get(&panel) {
+            Some((of, frame)) if *of == (x, y) && !done => frame.kept(wanted),
+            _ => wanted,
+        };
+        self.frames.insert(panel, ((x, y), frame));
         let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].name()).collect();
-        let (x, y) = axes;
         let described = format!("{} of {}, along {}", panel.name(), names.join(", "), x.label());
         let chart = Chart { panel, index: 0, x, y, frame, square: false, picture: false, described: &described };
-        self.plot(ui, scene, zoomed, &drawn, chart);
+        self.plot(ui, scene, zoomed, &drawn, chart, cut);
     }
 
     /// Brings up to date what is kept. The sets that have a curve, the selected one last.
@@ -102,25 +153,40 @@ impl Curves {
         zoomed: &mut Zoomed,
         drawn: &[usize],
         chart: Chart<'_>,
+        cut: bool,
     ) {
-        let (panel, x, y, dark) = (chart.panel, chart.x, chart.y, ui.visuals().dark_mode);
-        let ink = ui.visuals().text_color();
-        let (kept, sets, view, hover, selected) = (&self.kept, scene.sets, &*scene.view, &*scene.hover, scene.selected);
+        let (panel, x, y, frame, dark) = (chart.panel, chart.x, chart.y, chart.frame, ui.visuals().dark_mode);
+        let (ink, weak) = (ui.visuals().strong_text_color(), ui.visuals().weak_text_color());
+        let roomy = super::chart::is_roomy(ui.available_size());
+        let (kept, sets, view, hover) = (&self.kept, scene.sets, &*scene.view, &*scene.hover);
+        let chosen = zoomed.is(panel);
         let shown = chart.show(ui, zoomed, |plot| {
+            let bounds = plot.plot_bounds();
+            let (ends, bottom) = match chosen {
+                true => (bounds.range_x(), bounds.min()[1]),
+                false => (frame.x[0]..=frame.x[1], frame.y[0]),
+            };
+            let width = plot.response().rect.width() * plot.ctx().pixels_per_point();
+            let seen = Seen { x: ends, bottom, columns: width.max(1.0) as usize };
+            let curves: Vec<(&Kept, egui::Color32)> = drawn
+                .iter()
+                .filter_map(|&index| {
+                    let set = &sets[index];
+                    Some((kept.get(&(panel, set.id))?, colors::set(set.color, dark)))
+                })
+                .collect();
+            draw(plot, &curves, view, &seen, [ink, weak], roomy);
+            let Some(at) = hover.along(panel).and_then(|at| x.forward(at)) else { return };
+            plot.vline(VLine::new("pointer", at).color(ink.gamma_multiply(0.5)).width(1.0).allow_hover(false));
             for &index in drawn {
                 let set = &sets[index];
-                let Some(kept) = kept.get(&(panel, set.id)) else { continue };
-                curve(plot, kept, view, colors::set(set.color, dark), index == selected);
-            }
-            let Some(at) = hover.along(panel) else { return };
-            if let Some(at) = x.forward(at) {
-                plot.vline(VLine::new("pointer", at).color(ink.gamma_multiply(0.5)).width(1.0).allow_hover(false));
-            }
-            for &index in drawn {
-                let set = &sets[index];
-                let here = set.analysis().and_then(|analysis| place(panel, analysis, at));
-                if let Some((at, value)) = here.and_then(|(at, value)| Some((x.forward(at)?, y.forward(value)?))) {
-                    let dot = Points::new("value", vec![[at, value]]).radius(3.5).color(colors::set(set.color, dark));
+                let here = set.analysis().and_then(|analysis| {
+                    let own = axes(panel, analysis, view).0;
+                    let (at, value) = sample(panel, analysis, own.backward(at)?)?;
+                    Some([own.forward(at)?, y.forward(value)?])
+                });
+                if let Some(here) = here {
+                    let dot = Points::new("value", vec![here]).radius(3.5).color(colors::set(set.color, dark));
                     plot.points(dot.allow_hover(false));
                 }
             }
@@ -128,28 +194,60 @@ impl Curves {
         if let Some(at) = shown.pointer().and_then(|[at, _]| x.backward(at)) {
             scene.hover.at(panel, if panel == Panel::Pcf { Place::Distance(at) } else { Place::Frequency(at) });
         }
+        if cut && scene.hover.is_in(panel) {
+            let dark = ui.visuals().dark_mode;
+            shown.response.on_hover_ui_at_pointer(|ui| {
+                for (color, _, long) in said(panel, scene, x, y) {
+                    ui.colored_label(color.shade(ui, dark), long);
+                }
+            });
+        }
     }
 }
 
-/// A curve with what belongs to it.
-fn curve<'a>(plot: &mut egui_plot::PlotUi<'a>, kept: &'a Kept, view: &View, color: egui::Color32, selected: bool) {
-    let reference = kept.curve.reference;
-    if let Some(reference) = reference {
-        let line = HLine::new("reference", reference).color(egui::Color32::GRAY.gamma_multiply(0.7)).width(1.0);
-        plot.hline(line.style(LineStyle::dotted_dense()).allow_hover(false));
+/// Curves with what belongs to them; the last one is the one that is selected.
+fn draw<'a>(
+    plot: &mut PlotUi<'a>,
+    curves: &[(&'a Kept, egui::Color32)],
+    view: &View,
+    seen: &Seen,
+    [ink, weak]: [egui::Color32; 2],
+    roomy: bool,
+) {
+    if let Some((at, symbol)) = curves.last().and_then(|(kept, _)| kept.curve.landmark.as_ref()) {
+        let line = VLine::new("landmark", *at).color(weak.gamma_multiply(0.6)).width(1.0).allow_hover(false);
+        plot.vline(line.style(LineStyle::dotted_loose()));
+        if roomy {
+            let text = egui::RichText::new(format!(" {symbol}")).small();
+            let label = Text::new("landmark", PlotPoint::new(*at, seen.bottom), text).color(weak);
+            plot.text(label.anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
+        }
     }
-    for [xs, low, high] in kept.band.iter().filter(|_| view.bands) {
-        let area = FilledArea::new("band", xs, low, high).fill_color(color.gamma_multiply(0.22));
-        plot.add(area.allow_hover(false));
+    for (kept, _) in curves {
+        if let Some(reference) = kept.curve.reference {
+            let line = HLine::new("reference", reference).color(weak.gamma_multiply(0.8)).width(1.0);
+            plot.hline(line.style(LineStyle::dotted_dense()).allow_hover(false));
+        }
     }
-    let closed = kept.closed_form.iter().filter(|_| view.closed_forms);
-    for piece in closed {
-        let line = Line::new("closed form", PlotPoints::Borrowed(piece)).color(color.gamma_multiply(0.75)).width(1.2);
-        plot.line(line.style(LineStyle::dashed_dense()).allow_hover(false));
+    for (kept, color) in curves.iter().filter(|_| view.bands) {
+        for piece in &kept.curve.band {
+            let [xs, low, high] = seen.band(piece);
+            let area = FilledArea::new("band", &xs, &low, &high).fill_color(color.gamma_multiply(0.25));
+            plot.add(area.allow_hover(false));
+        }
     }
-    for piece in &kept.line {
-        let width = if selected { 2.0 } else { 1.4 };
-        plot.line(Line::new("estimate", PlotPoints::Borrowed(piece)).color(color).width(width).allow_hover(false));
+    for (index, (kept, color)) in curves.iter().enumerate() {
+        let width = if index + 1 == curves.len() { 1.8 } else { 1.3 };
+        for piece in &kept.line {
+            plot.line(Line::new("estimate", seen.line(piece)).color(*color).width(width).allow_hover(false));
+        }
+    }
+    // Over the estimates, which they may run along.
+    for (kept, color) in curves.iter().filter(|_| view.closed_forms) {
+        for piece in &kept.closed_form {
+            let line = Line::new("closed form", seen.line(piece)).color(color.lerp_to_gamma(ink, 0.55)).width(1.2);
+            plot.line(line.style(LineStyle::dashed_dense()).allow_hover(false));
+        }
     }
 }
 
@@ -164,7 +262,7 @@ fn axes(panel: Panel, analysis: &Analysis, view: &View) -> (Axis, Axis) {
 }
 
 /// The label and value of the bin or ring at a place.
-fn place(panel: Panel, analysis: &Analysis, at: f64) -> Option<(f64, f64)> {
+fn sample(panel: Panel, analysis: &Analysis, at: f64) -> Option<(f64, f64)> {
     match panel {
         Panel::Pcf => bin_at(analysis, at).map(|bin| (bin.r, bin.g)),
         Panel::Anisotropy => ring_at(analysis, at).and_then(|ring| Some((ring.nu, ring.anisotropy_db?))),
@@ -175,23 +273,96 @@ fn place(panel: Panel, analysis: &Analysis, at: f64) -> Option<(f64, f64)> {
 /// What a set says at a place, in few words and in many.
 fn readout(panel: Panel, analysis: &Analysis, axis: Axis, at: f64) -> Option<(String, String)> {
     match panel {
-        Panel::Pcf => bin_at(analysis, at).map(|bin| (bin.brief(axis), bin.text(axis))),
-        Panel::Anisotropy => ring_at(analysis, at).map(|ring| (ring.anisotropy_text(axis), ring.text(axis))),
-        _ => ring_at(analysis, at).map(|ring| (ring.brief(axis), ring.text(axis))),
+        Panel::Pcf => bin_at(analysis, at).map(|bin| (bin.brief(), bin.text(axis))),
+        Panel::Anisotropy => ring_at(analysis, at).map(|ring| (ring.anisotropy_brief(), ring.text(axis))),
+        _ => ring_at(analysis, at).map(|ring| (ring.brief(), ring.text(axis))),
     }
 }
 
-/// A line with the name of every set, or what it is at under the pointer.
-fn legend(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, drawn: &[usize]) {
-    let mut sets: Vec<&Set> = drawn.iter().map(|&index| &scene.sets[index]).collect();
-    sets.sort_by_key(|set| set.id);
-    let at = scene.hover.along(panel);
-    let texts = sets.into_iter().filter_map(|set| {
-        let analysis = set.analysis()?;
+/// Where the pointer is along the first axis, for the title: the bin or ring of the selected set, or of one that has one.
+pub(super) fn place(panel: Panel, scene: &Scene<'_>) -> Option<String> {
+    if !matches!(panel, Panel::Pcf | Panel::Radial | Panel::Anisotropy) {
+        return None;
+    }
+    let at = scene.hover.along(panel)?;
+    let selected = scene.sets.get(scene.selected).into_iter();
+    selected.chain(scene.sets).filter(|set| set.visible).filter_map(Set::analysis).find_map(|analysis| {
+        let label = match panel {
+            Panel::Pcf => bin_at(analysis, at)?.r,
+            _ => ring_at(analysis, at)?.nu,
+        };
+        Some(axes(panel, analysis, scene.view).0.text(label))
+    })
+}
+
+/// In what colour a text is.
+#[derive(Clone, Copy)]
+enum Tint {
+    Set(usize),
+    Error,
+}
+
+impl Tint {
+    fn shade(self, ui: &egui::Ui, dark: bool) -> egui::Color32 {
+        match self {
+            Self::Set(color) => colors::set(color, dark),
+            Self::Error => ui.visuals().error_fg_color,
+        }
+    }
+}
+
+/// What every visible set says: its name, what it is at under the pointer, or why it has no curve; in few words and in many.
+fn said(panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> Vec<(Tint, String, String)> {
+    let at = scene.hover.along(panel).and_then(|at| x.forward(at));
+    let visible: Vec<&Set> = scene.sets.iter().filter(|set| set.visible).collect();
+    let alone = visible.len() == 1;
+    let of = |set: &&Set| {
+        let (name, tint) = (set.name(), Tint::Set(set.color));
+        if let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.clone()) {
+            let text = format!("{name}: {error}");
+            return (Tint::Error, text.clone(), text);
+        }
+        let Some(analysis) = set.analysis() else {
+            let text = format!("{name}: measuring…");
+            return (tint, text.clone(), text);
+        };
         let axis = axes(panel, analysis, scene.view).0;
-        let said = at.and_then(|at| readout(panel, analysis, axis, at));
-        let (brief, long) = said.unwrap_or_else(|| (set.name(), format!("{} ({})", set.name(), set.request.command())));
-        Some((set.color, brief, long))
-    });
-    super::colored_line(ui, texts.collect());
+        match at.and_then(|at| readout(panel, analysis, axis, axis.backward(at)?)) {
+            Some((brief, long)) if alone => (tint, format!("{} = {brief}", y.symbol()), long),
+            Some((brief, long)) => (tint, brief, format!("{name}: {long}")),
+            None => (tint, name.clone(), format!("{name} ({})", set.request.command())),
+        }
+    };
+    visible.iter().map(of).collect()
+}
+
+/// A line of it. Whether a reading had to be cut.
+fn legend(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> bool {
+    let dark = ui.visuals().dark_mode;
+    let texts = said(panel, scene, x, y);
+    super::line(ui, texts.into_iter().map(|(tint, brief, long)| (tint.shade(ui, dark), brief, long)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinned_curves_keep_their_extremes() {
+        let all: Vec<PlotPoint> =
+            (0..100_000).map(|i| PlotPoint::new(i, if i == 77_777 { 9.0 } else { f64::from(i % 7) })).collect();
+        let seen = Seen { x: 0.0..=1e5, bottom: 0.0, columns: 200 };
+        let thin = seen.line(&all);
+        let points = thin.points();
+        assert!(points.len() <= 804 && points.windows(2).all(|w| w[0].x <= w[1].x), "{}", points.len());
+        assert_eq!((points[0], points[points.len() - 1]), (all[0], all[99_999]));
+        assert!(points.contains(&all[77_777]) && points.iter().any(|p| p.y == 0.0));
+        let band: Vec<[f64; 3]> = all.iter().map(|p| [p.x, p.y - 1.0, p.y + 1.0]).collect();
+        let [x, low, high] = seen.band(&band);
+        assert!(x.len() <= 402 && low.iter().all(|l| *l == -1.0) && high.contains(&10.0));
+        // Of what is seen closely, nothing is left out.
+        let near = Seen { x: 500.5..=600.5, ..seen };
+        assert_eq!(near.line(&all).points(), &all[500..602]);
+        assert_eq!(near.band(&band)[0].len(), 102);
+    }
 }

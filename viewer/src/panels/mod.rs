@@ -71,7 +71,6 @@ impl Panels {
     fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
         let drawn = egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
-            let room = ui.available_size() - egui::vec2(0.0, 48.0);
             ui.horizontal(|ui| {
                 let title =
                     ui.add(egui::Label::new(egui::RichText::new(panel.name()).strong()).sense(egui::Sense::click()));
@@ -90,12 +89,10 @@ impl Panels {
                     {
                         self.zoomed.reset(panel);
                     }
-                    let curves = matches!(panel, Panel::Pcf | Panel::Radial | Panel::Anisotropy);
-                    if curves && !chart::is_roomy(ui.available_rect_before_wrap().size().max(room)) {
-                        let caption = curves::Curves::caption(panel, scene).unwrap_or_default();
-                        let caption = egui::RichText::new(caption).small().weak();
+                    if let Some(place) = curves::place(panel, scene) {
+                        let label = egui::Label::new(egui::RichText::new(place).small().weak()).truncate();
                         let left = egui::Layout::left_to_right(egui::Align::Center);
-                        ui.with_layout(left, |ui| ui.add(egui::Label::new(caption).truncate()));
+                        ui.with_layout(left, |ui| ui.add(label));
                     }
                 });
                 if toggled {
@@ -125,16 +122,27 @@ fn columns(panels: usize, size: egui::Vec2) -> usize {
 /// Texts in the colours of their sets, one beside the other in one line, whatever their number; (colour, text, all of it).
 fn colored_line(ui: &mut egui::Ui, texts: Vec<(usize, String, String)>) {
     let dark = ui.visuals().dark_mode;
+    line(ui, texts.into_iter().map(|(color, text, long)| (colors::set(color, dark), text, long)).collect());
+}
+
+/// Texts in one line, in places that do not depend on what they say. Whether one of them had to be cut.
+fn line(ui: &mut egui::Ui, texts: Vec<(egui::Color32, String, String)>) -> bool {
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (line, _) = ui.allocate_exact_size(size, egui::Sense::hover());
-    let width = size.x / texts.len().max(1) as f32;
+    let count = texts.len().max(1) as f32;
+    // The only one has all the room; several stand close together.
+    let width = if texts.len() > 1 { (size.x / count).min(170.0) } else { size.x };
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut cut = false;
     for (index, (color, text, long)) in texts.into_iter().enumerate() {
         let corner = line.min + egui::vec2(index as f32 * width, 0.0);
         let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 6.0, size.y));
+        cut |= ui.painter().layout_no_wrap(text.clone(), font.clone(), color).size().x > rect.width();
         let layout = egui::Layout::left_to_right(egui::Align::Center);
-        let label = egui::Label::new(egui::RichText::new(text).small().color(colors::set(color, dark))).truncate();
+        let label = egui::Label::new(egui::RichText::new(text).small().color(color)).truncate();
         ui.scope_builder(egui::UiBuilder::new().max_rect(rect).layout(layout), |ui| ui.add(label).on_hover_text(long));
     }
+    cut
 }
 
 /// Why there is nothing to draw: what the sets that are visible say, or `otherwise`.
