@@ -4,7 +4,9 @@ set -euo pipefail
 cd "$(dirname "$0")"
 
 vulkan_present() {
-    ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json >/dev/null 2>&1 && ldconfig -p | grep -q 'libvulkan\.so\.1'
+    local libraries
+    libraries=$(ldconfig -p)
+    { compgen -G '/usr/share/vulkan/icd.d/*.json' || compgen -G '/etc/vulkan/icd.d/*.json'; } >/dev/null && grep -qF 'libvulkan.so.1' <<<"$libraries"
 }
 
 # install_missing WHAT VARIABLE TESTS PACKAGES...: installs packages, or says how to.

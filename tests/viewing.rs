@@ -254,7 +254,7 @@ fn misplaced(panel: Panel, analysis: &Analysis, columns: [&str; 3], curve: &repo
         (curve.line.iter().flatten().count(), curve.band.iter().flatten().count()),
         (lines.len() - 1, lines.len() - 1)
     );
-    let wrong = |((line, place), [_, low, high]): (((&&str, &[f64; 2]), &[f64; 3]))| {
+    let wrong = |((line, place), [_, low, high]): ((&&str, &[f64; 2]), &[f64; 3])| {
         let (v, se) = (number(line, value), number(line, error));
         !(near(place[0], number(line, x)) && near(place[1], v) && near(*low, v - se) && near(*high, v + se))
     };
@@ -285,7 +285,7 @@ fn rounding_does_not_set_the_range_of_decibels() {
     let nu = Axis::frequency(&analysis, FrequencyUnit::Cycles, AxisScale::Linear);
     let curve = Panel::Radial.curve(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
     let [low, high] = curve.frame.y;
-    assert!(low >= -125.0 && low < 0.0 && high > 0.0 && high < 40.0, "{low} to {high}");
+    assert!((-125.0..0.0).contains(&low) && high > 0.0 && high < 40.0, "{low} to {high}");
 }
 
 #[test]

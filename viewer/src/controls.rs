@@ -155,13 +155,6 @@ fn refusal(ui: &mut egui::Ui, error: &str) {
     ui.add(egui::Label::new(egui::RichText::new(error).color(color).small()).wrap());
 }
 
-/// The settings of requests that have a control; the others are about what no panel shows.
-pub(crate) fn has_control(setting: &str) -> bool {
-    let of_points = points::SETTINGS.iter().chain(points::OF_FILES.iter().map(|(name, _)| name));
-    let measured = measure::GROUPS.iter().flat_map(|(_, settings)| settings.iter().map(|(name, _)| name));
-    of_points.chain(measured).any(|name| *name == setting)
-}
-
 /// A request of a sampler, in place of whatever points there were.
 fn of_sampler(request: &Request, name: &str) -> Request {
     let mut request = request.clone();
@@ -195,6 +188,16 @@ mod tests {
         // The list of files is edited as a whole.
         "files",
     ];
+
+    /// Settings of samplers, each drawn by hand.
+    const OF_SAMPLERS: [&str; 6] = ["sampler", "points", "realizations", "dim", "seed", "params"];
+
+    /// The settings of requests that have a control; the others are about what no panel shows.
+    fn has_control(setting: &str) -> bool {
+        let of_points = OF_SAMPLERS.iter().chain(points::OF_FILES.iter().map(|(name, _)| name));
+        let measured = measure::GROUPS.iter().flat_map(|(_, settings)| settings.iter().map(|(name, _)| name));
+        of_points.chain(measured).any(|name| *name == setting)
+    }
 
     #[test]
     fn every_setting_has_a_control_or_a_reason_to_have_none() {

@@ -17,6 +17,7 @@ pub mod files;
 mod fonts;
 pub mod help;
 mod hover;
+pub mod icon;
 mod messages;
 mod panels;
 pub mod session;

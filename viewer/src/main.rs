@@ -48,6 +48,7 @@ fn main() -> ExitCode {
         viewport: egui::ViewportBuilder::default()
             .with_title("pairwave")
             .with_app_id("pairwave-viewer")
+            .with_icon(pairwave_viewer::icon::icon())
             .with_inner_size([1280.0, 820.0])
             .with_min_inner_size([640.0, 420.0])
             .with_drag_and_drop(true),

@@ -8,9 +8,6 @@ use super::{Controls, choice, of_sampler, refusal, row, setting};
 use crate::app::Viewer;
 use crate::set::Set;
 
-/// Settings of samplers, each with a control of its own.
-pub(super) const SETTINGS: [&str; 6] = ["sampler", "points", "realizations", "dim", "seed", "params"];
-
 /// Settings of files.
 pub(super) const OF_FILES: [(&str, &str); 6] = [
     ("domain", "domain"),
@@ -101,10 +98,10 @@ fn sampler(ui: &mut egui::Ui, set: &mut Set) {
         set.request = fitting(set.request.clone());
     }
     let flag = set.snapshot.as_ref().and_then(|s| s.flag);
-    if matches!(flag, Some("-n" | "--param" | "--dim" | "-k" | "--sampler")) {
-        if let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref()) {
-            refusal(ui, error);
-        }
+    if matches!(flag, Some("-n" | "--param" | "--dim" | "-k" | "--sampler"))
+        && let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref())
+    {
+        refusal(ui, error);
     }
 }
 

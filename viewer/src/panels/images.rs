@@ -178,10 +178,10 @@ impl Images {
             plot.image(image.allow_hover(false));
             mark(plot, panel, axis, hover, ink);
         });
-        if let Some([x, y]) = shown.pointer() {
-            if let (Some(x), Some(y)) = (axis.backward(x), axis.backward(y)) {
-                scene.hover.at(panel, if panel == Panel::Spectrum { Place::Mode([x, y]) } else { Place::Lag([x, y]) });
-            }
+        if let Some([x, y]) = shown.pointer()
+            && let (Some(x), Some(y)) = (axis.backward(x), axis.backward(y))
+        {
+            scene.hover.at(panel, if panel == Panel::Spectrum { Place::Mode([x, y]) } else { Place::Lag([x, y]) });
         }
     }
 }

@@ -147,10 +147,10 @@ impl Points {
                 let stroke = egui::Stroke::new(1.5, ui.visuals().text_color().gamma_multiply(0.6));
                 painter.circle_stroke(of_set.at(at), edge.x - of_set.at(at).x, stroke);
             }
-            if let Some((distance, k)) = shown.response.hover_pos().and_then(|pointer| of_set.nearest(pointer)) {
-                if nearest.is_none_or(|(closest, _)| distance < closest) {
-                    nearest = Some((distance, Place::Point(set.id, k)));
-                }
+            if let Some((distance, k)) = shown.response.hover_pos().and_then(|pointer| of_set.nearest(pointer))
+                && nearest.is_none_or(|(closest, _)| distance < closest)
+            {
+                nearest = Some((distance, Place::Point(set.id, k)));
             }
             if let Some(Place::Point(id, k)) = scene.hover.place() {
                 let here = kept.places.get(k / kept.every).filter(|_| id == set.id);
