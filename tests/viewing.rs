@@ -415,7 +415,7 @@ fn pictures_have_their_peaks_in_place_and_y_upward() {
     let a = slanted();
     for map in ColorMap::SEQUENTIAL {
         for tones in ToneMap::ALL {
-            let pixels = report::spectrum_pixels(&a, tones, map).unwrap();
+            let pixels = report::spectrum_pixels(&a, tones, None, map, 2048).unwrap();
             assert_eq!((pixels.width, pixels.height, pixels.rgb.len()), (19, 19, 3 * 19 * 19));
             assert_eq!(pixels.extent, [[-9.5, 9.5]; 2]);
             for m0 in -9..=9 {
@@ -432,7 +432,7 @@ fn pictures_have_their_peaks_in_place_and_y_upward() {
         }
     }
     for map in ColorMap::DIVERGING {
-        let pixels = report::vector_pixels(&a, None, map, 0).unwrap();
+        let pixels = report::vector_pixels(&a, None, map, 0, 2048).unwrap();
         assert_eq!((pixels.width, pixels.extent), (16, [[-0.5, 0.5]; 2]));
         assert_eq!(color_at(&pixels, [1.5 / 16.0, 3.5 / 16.0]), map.color(1.0), "a lag of the lattice");
         assert_eq!(color_at(&pixels, [1.5 / 16.0, -2.5 / 16.0]), map.color(0.0), "none");
@@ -440,19 +440,50 @@ fn pictures_have_their_peaks_in_place_and_y_upward() {
         let ticks = report::vector_ticks(&a, Some(2.0)).unwrap();
         assert!(ticks.contains(&(0.5, "1.0".into())) && ticks[0] == (0.25, "0".into()), "{ticks:?}");
     }
-    assert!(report::vector_pixels(&a, None, ColorMap::BlueRed, 1).is_none(), "one plane in 2D");
+    assert!(report::vector_pixels(&a, None, ColorMap::BlueRed, 1, 2048).is_none(), "one plane in 2D");
+}
+
+#[test]
+fn pictures_with_little_room_keep_peaks_and_means() {
+    let mut a = analyze(
+        "--sampler random -n 64 -k 4 --stats spectrum,pcf-vector --max-frequency 20 --lag-bins 15 --lag-max 0.3",
+    );
+    let spectrum = a.spectrum.as_mut().unwrap();
+    let grid = *spectrum.waves.grid().unwrap();
+    spectrum.p.fill(0.5);
+    spectrum.p[grid.half_index([7, 12, 0])] = 60.0;
+    // 41 modes in 14 pixels of 3; the peak and its mirror image, DC, and means.
+    let pixels = report::spectrum_pixels(&a, ToneMap::Reinhard, Some(100.0), ColorMap::Viridis, 16).unwrap();
+    assert_eq!((pixels.width, pixels.height, pixels.extent), (14, 14, [[-20.5, 21.5]; 2]));
+    let tone = |p| ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 100.0));
+    for (at, expected) in
+        [([7.0, 12.0], tone(60.0)), ([-7.0, -12.0], tone(60.0)), ([0.0, 0.0], [128; 3]), ([12.0, 7.0], tone(0.5))]
+    {
+        assert_eq!(color_at(&pixels, at), expected, "{at:?}");
+    }
+    let count = pixels.rgb.chunks(3).filter(|pixel| *pixel == tone(60.0)).count();
+    assert_eq!(count, 2, "one pixel each");
+    // 15 cells in 5 pixels of 3, which are means.
+    let pixels = report::vector_pixels(&a, Some(1.0), ColorMap::BlueRed, 0, 7).unwrap();
+    let vector = a.vector.as_ref().unwrap();
+    assert_eq!((pixels.width, pixels.height), (5, 5));
+    assert!(pixels.extent.iter().flatten().all(|end| (end.abs() - 0.3).abs() < 1e-12), "{:?}", pixels.extent);
+    let strides = vector.grid.strides();
+    let cells = (0..9).map(|k| (3 + k % 3) * strides[0] + (9 + k / 3) * strides[1]);
+    let mean = cells.map(|cell| vector.g[cell]).sum::<f64>() / 9.0;
+    assert_eq!(pixels.rgb[3 * (5 + 1)..][..3], ColorMap::BlueRed.color(0.5 * mean));
 }
 
 #[test]
 fn pictures_of_space_are_slices() {
     let a = analyze(&format!("--sampler random --dim 3 -n 40 {STATS} --max-frequency 3 --lag-bins 6"));
-    let pixels = report::spectrum_pixels(&a, ToneMap::Reinhard, ColorMap::Viridis).unwrap();
+    let pixels = report::spectrum_pixels(&a, ToneMap::Reinhard, None, ColorMap::Viridis, 2048).unwrap();
     let p = a.spectrum.as_ref().unwrap().at([2, -1, 0]).unwrap();
     assert_eq!(color_at(&pixels, [2.0, -1.0]), ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 40.0)));
     let vector = a.vector.as_ref().unwrap();
     let strides = vector.grid.strides();
     for (plane, [right, up]) in overlays::planes(3).iter().enumerate() {
-        let pixels = report::vector_pixels(&a, Some(0.7), ColorMap::BlueRed, plane).unwrap();
+        let pixels = report::vector_pixels(&a, Some(0.7), ColorMap::BlueRed, plane, 2048).unwrap();
         assert_eq!(pixels.axes, [*right, *up]);
         let cell = strides[*right] + 4 * strides[*up] + 2 * strides[3 - right - up];
         let (one, two) = (cell, cell + strides[3 - right - up]);

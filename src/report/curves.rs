@@ -103,6 +103,20 @@ impl Panel {
         }
     }
 
+    /// Why an analysis has no such picture.
+    pub fn without_picture(self, analysis: &Analysis) -> &'static str {
+        let listed = analysis.spectrum.as_ref().is_some_and(|s| s.waves.grid().is_none());
+        if analysis.domain.dim() == 1 {
+            "in one dimension there is no picture: the curves show all"
+        } else if self == Self::Spectrum && listed {
+            "the wave vectors of a list form no grid"
+        } else if self == Self::Spectrum && analysis.spectrum.is_none() {
+            "only the frequencies that rings need are measured, which form no grid"
+        } else {
+            "these settings give no such picture"
+        }
+    }
+
     fn landmark(self, analysis: &Analysis) -> Option<(f64, String)> {
         let (domain, n) = (&analysis.domain, analysis.shape.mean_points);
         match self {

@@ -43,7 +43,8 @@ pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
         Ok(image) => image?,
         Err(e) => return Some(Err(e.into())),
     };
-    let Pixels { extent, axes, .. } = spectrum_pixels(analysis, ToneMap::Reinhard, ColorMap::Viridis)?;
+    let Pixels { extent, axes, .. } =
+        spectrum_pixels(analysis, ToneMap::Reinhard, None, ColorMap::Viridis, usize::MAX)?;
     let labels = axes.map(|axis| format!("ν_{} (cycles per unit length)", ["x", "y", "z"][axis]));
     let caption = format!("P(m): {}. Tone map: {}.", image.caption, tone_text());
     let insets = [Inset { png: image.png, extent, labels }];
@@ -54,7 +55,7 @@ pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
 pub(super) fn vector(analysis: &Analysis) -> Option<Svg> {
     let ticks = vector_ticks(analysis, None)?;
     let mut insets = Vec::new();
-    for pixels in (0..).map_while(|plane| vector_pixels(analysis, None, ColorMap::BlueRed, plane)) {
+    for pixels in (0..).map_while(|plane| vector_pixels(analysis, None, ColorMap::BlueRed, plane, usize::MAX)) {
         let labels = pixels.axes.map(|axis| format!("h_{} (length units)", ["x", "y", "z"][axis]));
         match encode(&pixels.rgb, [pixels.width as u32, pixels.height as u32], "g(h)", "one pixel per cell of lags") {
             Ok(png) => insets.push(Inset { png, extent: pixels.extent, labels }),

@@ -2,7 +2,7 @@
 
 use super::color_map::ColorMap;
 use super::figure;
-use super::spectrum_image::{DC, middle};
+use super::spectrum_image::{DC, middle, peak};
 use super::tone_map::ToneMap;
 use super::vector_image::{panels, range, slice};
 use crate::analysis::Analysis;
@@ -23,41 +23,86 @@ pub struct Pixels {
     pub axes: [usize; 2],
 }
 
+/// How many cells a pixel covers along each axis, and how many pixels there are along one of `cells`, where there is room for
+/// `most` per axis.
+fn blocks(cells: [usize; 2], most: usize) -> (usize, [usize; 2]) {
+    let block = cells[0].max(cells[1]).div_ceil(most.max(1)).max(1);
+    (block, cells.map(|cells| cells.div_ceil(block)))
+}
+
 /// P on the grid, a pixel per mode with `nu = m / L` at its centre, DC grey; in 3D the plane m_z = 0. At most `|m| <= 1023` per
-/// axis. `None` in 1D, for a list of wave vectors, and where the grid was not asked for.
-pub fn spectrum_pixels(analysis: &Analysis, tone_map: ToneMap, colors: ColorMap) -> Option<Pixels> {
+/// axis. Where there is room for `most` pixels per axis only, a pixel covers several modes: their mean, or the largest if that
+/// is an isolated peak, so that peaks are seen at any size. `white` is the number of points at the upper end of the
+/// `ToneMap::Reinhard`, by default its own. `None` in 1D, for a list of wave vectors, and where the grid was not asked for.
+pub fn spectrum_pixels(
+    analysis: &Analysis,
+    tone_map: ToneMap,
+    white: Option<f64>,
+    colors: ColorMap,
+    most: usize,
+) -> Option<Pixels> {
     let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted)?;
     let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
-    let [h0, h1] = middle(grid);
+    let half = middle(grid);
     let n = analysis.shape.mean_points;
-    let color = |m0, m1| match (m0, m1) {
-        (0, 0) => DC,
-        _ => colors.color(tone_map.tone(spectrum.p[grid.half_index([m0, m1, 0])], n)),
+    let cells = half.map(|h| 2 * h as usize + 1);
+    let (block, [width, height]) = blocks(cells, most);
+    let p = |m0: i32, m1: i32| spectrum.p[grid.half_index([m0, m1, 0])];
+    // The modes of a pixel along an axis.
+    let modes = |axis: usize, k: usize| {
+        let first = (k * block) as i32 - half[axis];
+        first..(first + block as i32).min(half[axis] + 1)
     };
-    let half = |axis: usize, h: i32| (f64::from(h) + 0.5) / analysis.domain.sides()[axis];
+    let color = |x: usize, y: usize| {
+        let (columns, rows) = (modes(0, x), modes(1, y));
+        if columns.contains(&0) && rows.contains(&0) {
+            return DC;
+        }
+        let all = || rows.clone().flat_map(|m1| columns.clone().map(move |m0| p(m0, m1)));
+        let highest = all().fold(0.0, f64::max);
+        let seen = if highest > peak(n) { highest } else { all().sum::<f64>() / all().count() as f64 };
+        colors.color(tone_map.tone(seen, white.unwrap_or(n)))
+    };
+    let ends = |axis: usize, pixels: usize| {
+        let low = -f64::from(half[axis]) - 0.5;
+        [low, low + (pixels * block) as f64].map(|m| m / analysis.domain.sides()[axis])
+    };
     Some(Pixels {
-        width: 2 * h0 as usize + 1,
-        height: 2 * h1 as usize + 1,
-        rgb: (-h1..=h1).rev().flat_map(|m1| (-h0..=h0).flat_map(move |m0| color(m0, m1))).collect(),
-        extent: [[-half(0, h0), half(0, h0)], [-half(1, h1), half(1, h1)]],
+        width,
+        height,
+        rgb: (0..height).rev().flat_map(|y| (0..width).flat_map(move |x| color(x, y))).collect(),
+        extent: [ends(0, width), ends(1, height)],
         axes: [0, 1],
     })
 }
 
 /// g on the grid of lags, a pixel per cell, with the middle of the colours at g = 1 and their ends at `1 -+ reach` (by default as
-/// far as all but a few cells reach). `plane` is 0 in 2D; in 3D the slices through lag 0 are 0: (h_x, h_y), 1: (h_x, h_z),
-/// 2: (h_y, h_z). `None` in 1D and for a plane there is not.
-pub fn vector_pixels(analysis: &Analysis, reach: Option<f64>, colors: ColorMap, plane: usize) -> Option<Pixels> {
+/// far as all but a few cells reach). Where there is room for `most` pixels per axis only, a pixel is the mean of several
+/// cells. `plane` is 0 in 2D; in 3D the slices through lag 0 are 0: (h_x, h_y), 1: (h_x, h_z), 2: (h_y, h_z). `None` in 1D
+/// and for a plane there is not.
+pub fn vector_pixels(
+    analysis: &Analysis,
+    reach: Option<f64>,
+    colors: ColorMap,
+    plane: usize,
+    most: usize,
+) -> Option<Pixels> {
     let vector = analysis.vector.as_ref()?;
     let (bins, half) = (vector.grid.bins, &vector.grid.half);
     let axes = *panels(vector.grid.dim()).get(plane)?;
     let [low, high] = ends(analysis, reach)?;
-    let color = |x, y| colors.color((slice(vector, axes, [x, y]) - low) / (high - low));
+    let (block, [width, height]) = blocks([bins; 2], most);
+    let cells = |k: usize| k * block..((k + 1) * block).min(bins);
+    let color = |x, y| {
+        let all = || cells(y).flat_map(|y| cells(x).map(move |x| slice(vector, axes, [x, y])));
+        colors.color((all().sum::<f64>() / all().count() as f64 - low) / (high - low))
+    };
+    let end = |axis: usize| -half[axis] + (width * block) as f64 * vector.grid.width(axis);
     Some(Pixels {
-        width: bins,
-        height: bins,
-        rgb: (0..bins).rev().flat_map(|y| (0..bins).flat_map(move |x| color(x, y))).collect(),
-        extent: axes.map(|axis| [-half[axis], half[axis]]),
+        width,
+        height,
+        rgb: (0..height).rev().flat_map(|y| (0..width).flat_map(move |x| color(x, y))).collect(),
+        extent: axes.map(|axis| [-half[axis], if block == 1 { half[axis] } else { end(axis) }]),
         axes,
     })
 }

@@ -25,6 +25,11 @@ const THINNEST: f64 = 0.25;
 /// Pixels that an isolated peak has at least per axis, however large the grid.
 const PEAK: u32 = 5;
 
+/// P above this is an isolated peak: far above what one realization of `n` points without peaks shows.
+pub(super) fn peak(n: f64) -> f64 {
+    n.sqrt().max(32.0)
+}
+
 /// DC is n, not a fluctuation: a grey that means nothing.
 pub(super) const DC: [u8; 3] = [128; 3];
 
@@ -89,8 +94,7 @@ pub(super) fn render(
     for (m0, m1) in modes() {
         let (x, y) = ((m0 + h0) as u32 * dx, (h1 - m1) as u32 * dy);
         fill(x..x + dx, y..y + dy, tone(p(m0, m1)));
-        // Far above what one realization of a structure without peaks shows.
-        if p(m0, m1) > n.sqrt().max(32.0) && (m0, m1) != (0, 0) {
+        if p(m0, m1) > peak(n) && (m0, m1) != (0, 0) {
             peaks.push((x + dx / 2, y + dy / 2, tone(p(m0, m1))));
         }
     }
@@ -120,7 +124,7 @@ pub(super) fn render(
     caption.push_str(&format!("each mode {each}, DC (the centre) drawn grey"));
     if !peaks.is_empty() && dx.min(dy) < PEAK && reach > 0 {
         let wide = 2 * reach + 1;
-        caption.push_str(&format!(", peaks above P = {} at least {wide} pixels wide", human(n.sqrt().max(32.0))));
+        caption.push_str(&format!(", peaks above P = {} at least {wide} pixels wide", human(peak(n))));
     }
     let png = encode(&image, [width, height], "Power spectrum P(m)", &format!("{caption}. Tone map: {}", tone_text()))?;
     Ok(Some(SpectrumImage { png, width, height, caption, ticks: ToneMap::Reinhard.ticks(n) }))

@@ -30,6 +30,16 @@ impl Set {
         self.snapshot.as_ref()?.analysis.as_deref()
     }
 
+    /// Its name with what was measured, for those who cannot see it.
+    pub(crate) fn described(&self) -> String {
+        match self.analysis() {
+            Some(analysis) => {
+                format!("{} (n = {}, K = {})", self.name(), analysis.shape.mean_points, analysis.shape.realizations)
+            }
+            None => self.name(),
+        }
+    }
+
     /// In a few words, for legends.
     pub(crate) fn name(&self) -> String {
         let input = &self.request.input;

@@ -114,7 +114,7 @@ impl Curves {
             _ => wanted,
         };
         self.frames.insert(panel, ((x, y), frame));
-        let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].name()).collect();
+        let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].described()).collect();
         let described = format!("{} of {}, along {}", panel.name(), names.join(", "), x.label());
         let chart = Chart { panel, index: 0, x, y, frame, square: false, picture: false, described: &described };
         self.plot(ui, scene, zoomed, &drawn, chart, cut);
@@ -340,7 +340,7 @@ fn said(panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> Vec<(Tint, String,
 fn legend(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> bool {
     let dark = ui.visuals().dark_mode;
     let texts = said(panel, scene, x, y);
-    super::line(ui, texts.into_iter().map(|(tint, brief, long)| (tint.shade(ui, dark), brief, long)).collect())
+    super::line(ui, texts.into_iter().map(|(tint, brief, long)| (tint.shade(ui, dark), brief, long)).collect(), false)
 }
 
 #[cfg(test)]

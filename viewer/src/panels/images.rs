@@ -6,16 +6,15 @@ use eframe::egui;
 use egui_plot::{HLine, Line, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 use pairwave::analysis::Analysis;
 use pairwave::report::{
-    Axis, ColorMap, Frame, Panel, Pixels, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
+    Axis, ColorMap, Frame, Panel, Pixels, ToneMap, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
     vector_reach, vector_ticks,
 };
 
 use super::chart::{Chart, Zoomed};
-use super::{Scene, colored_line, planes, said_instead};
+use super::{Scene, cells, colored_line, planes, said_instead};
 use crate::engine::SetId;
 use crate::hover::{Hover, Place};
 use crate::set::Set;
-use crate::view::View;
 
 /// Pictures on the device that draws, kept until what they show changes.
 #[derive(Default)]
@@ -31,32 +30,46 @@ struct Kept {
     axes: [usize; 2],
 }
 
-/// What the pixels of a picture depend on: the snapshot, and the looks.
+/// What the pixels of a picture depend on.
 #[derive(Clone, PartialEq)]
 struct Shades {
     generation: u64,
-    view: View,
-    reach: Option<f64>,
+    /// Pixels that there is room for, per axis.
+    most: usize,
+    looks: Looks,
+}
+
+#[derive(Clone, PartialEq)]
+enum Looks {
+    /// With the number of points at the upper end.
+    Spectrum(ToneMap, ColorMap, f64),
+    /// With the reach of the colours.
+    Vector(ColorMap, f64, usize),
 }
 
 impl Shades {
-    /// Without the looks that no pixel depends on.
-    fn new(generation: u64, view: &View, reach: Option<f64>) -> Self {
-        let of_pixels = View {
-            tone_map: view.tone_map,
-            spectrum_colors: view.spectrum_colors,
-            vector_colors: view.vector_colors,
-            plane: view.plane,
-            ..View::default()
-        };
-        Self { generation, view: of_pixels, reach }
+    fn pixels(&self, analysis: &Analysis) -> Option<Pixels> {
+        match self.looks {
+            Looks::Spectrum(tone_map, colors, white) => {
+                spectrum_pixels(analysis, tone_map, Some(white), colors, self.most)
+            }
+            Looks::Vector(colors, reach, plane) => {
+                vector_pixels(analysis, Some(reach), colors, plane_of(analysis, plane), self.most)
+            }
+        }
     }
 
-    fn pixels(&self, panel: Panel, analysis: &Analysis) -> Option<Pixels> {
-        let View { tone_map, spectrum_colors, vector_colors, plane, .. } = self.view;
-        match panel {
-            Panel::Spectrum => spectrum_pixels(analysis, tone_map, spectrum_colors),
-            _ => vector_pixels(analysis, self.reach, vector_colors, plane_of(analysis, plane)),
+    /// The colour bar: its ticks, its colours, what they are values of, and what it says of itself.
+    fn bar(&self, analysis: &Analysis) -> (Vec<(f64, String)>, ColorMap, &'static str, String) {
+        match self.looks {
+            Looks::Spectrum(tone_map, colors, white) => {
+                let name = if matches!(tone_map, ToneMap::Decibel { .. }) { "P / dB" } else { "P" };
+                (tone_map.ticks(white), colors, name, format!("colours of P: {}", tone_map.definition()))
+            }
+            Looks::Vector(colors, reach, _) => {
+                let text = "colours of g: they part at g = 1, as far as all but a few cells reach".to_string();
+                (vector_ticks(analysis, Some(reach)).unwrap_or_default(), colors, "g", text)
+            }
         }
     }
 }
@@ -69,42 +82,36 @@ fn plane_of(analysis: &Analysis, plane: usize) -> usize {
 impl Images {
     /// Draws a picture, or one of every set.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
-        let shown = self.prepare(ui.ctx(), panel, scene);
+        let room = ui.available_size().min_elem() * ui.ctx().pixels_per_point();
+        let shown = self.prepare(ui.ctx(), panel, scene, if zoomed.is(panel) { f32::INFINITY } else { room });
         let Some(&first) = shown.first() else {
-            let none = "of points in 2D and 3D there is a picture; not of a list of wave vectors";
-            return said_instead(ui, scene, none);
+            let measured = scene.sets.iter().filter(|set| set.visible).find_map(Set::analysis);
+            return said_instead(ui, scene, measured.map_or("", |analysis| panel.without_picture(analysis)));
         };
         if panel == Panel::Vector {
             planes(ui, scene);
         }
         readouts(ui, panel, scene, &shown);
         let Some(analysis) = scene.sets[first].analysis() else { return };
-        let bar = 52.0;
         let area = ui.available_rect_before_wrap();
-        let width = (area.width() - bar) / shown.len() as f32;
-        for (index, &of) in shown.iter().enumerate() {
-            let corner = area.min + egui::vec2(width * index as f32, 0.0);
-            let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 14.0, area.height()));
+        // The colour bar is where it leaves pictures the most room.
+        let (pictures, bar) = if area.width() > area.height() {
+            area.split_left_right_at_x(area.max.x - 62.0)
+        } else {
+            area.split_top_bottom_at_y(area.max.y - 36.0)
+        };
+        for (index, (&of, rect)) in shown.iter().zip(cells(pictures, shown.len(), 14.0)).enumerate() {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
             ui.scope_builder(builder, |ui| self.picture(ui, panel, index, of, scene, zoomed));
         }
-        let (ticks, colors, name) = match panel {
-            Panel::Spectrum => {
-                let ticks = scene.view.tone_map.ticks(analysis.shape.mean_points);
-                (ticks, scene.view.spectrum_colors, "P")
-            }
-            _ => {
-                let reach = self.kept.get(&(panel, scene.sets[first].id)).and_then(|kept| kept.of.reach);
-                (vector_ticks(analysis, reach).unwrap_or_default(), scene.view.vector_colors, "g")
-            }
-        };
-        let rect = egui::Rect::from_min_max(egui::pos2(area.max.x - bar, area.min.y), area.max);
-        color_bar(ui, rect, colors, &ticks, name);
+        if let Some(kept) = self.kept.get(&(panel, scene.sets[first].id)) {
+            color_bar(ui, bar, kept.of.bar(analysis));
+        }
         ui.allocate_rect(area, egui::Sense::hover());
     }
 
     /// Brings up to date what is kept. The sets whose pictures are shown.
-    fn prepare(&mut self, ctx: &egui::Context, panel: Panel, scene: &Scene<'_>) -> Vec<usize> {
+    fn prepare(&mut self, ctx: &egui::Context, panel: Panel, scene: &Scene<'_>, room: f32) -> Vec<usize> {
         let has = |set: &Set| match (panel, set.analysis()) {
             (_, None) => false,
             (Panel::Spectrum, Some(a)) => a.grid_wanted && a.domain.dim() > 1 && a.spectrum.is_some(),
@@ -117,18 +124,28 @@ impl Images {
             shown = chosen.into_iter().collect();
         }
         // One colour bar for all.
-        let reaches = shown.iter().filter_map(|&s| scene.sets[s].analysis()).filter_map(vector_reach);
-        let reach = reaches.reduce(f64::max).filter(|_| panel == Panel::Vector);
+        let most_of = |value: fn(&Analysis) -> Option<f64>| {
+            shown.iter().filter_map(|&s| scene.sets[s].analysis()).filter_map(value).reduce(f64::max).unwrap_or(1.0)
+        };
+        let looks = match panel {
+            Panel::Spectrum => {
+                let white = most_of(|analysis| Some(analysis.shape.mean_points));
+                Looks::Spectrum(scene.view.tone_map, scene.view.spectrum_colors, white)
+            }
+            _ => Looks::Vector(scene.view.vector_colors, most_of(vector_reach), scene.view.plane),
+        };
+        // In steps, so that a window can be dragged without painting all anew.
+        let most = ((room / 128.0).floor().max(1.0) * 128.0).min(ctx.input(|i| i.max_texture_side) as f32) as usize;
         self.kept.retain(|(of, id), _| *of != panel || shown.iter().any(|&s| scene.sets[s].id == *id));
         for &s in &shown {
             let set = &scene.sets[s];
             let (Some(analysis), Some(snapshot)) = (set.analysis(), &set.snapshot) else { continue };
-            let of = Shades::new(snapshot.generation, scene.view, reach);
+            let of = Shades { generation: snapshot.generation, most, looks: looks.clone() };
             let key = (panel, set.id);
             if self.kept.get(&key).is_some_and(|kept| kept.of == of) {
                 continue;
             }
-            let Some(pixels) = of.pixels(panel, analysis) else { continue };
+            let Some(pixels) = of.pixels(analysis) else { continue };
             let image = egui::ColorImage::from_rgb([pixels.width, pixels.height], &pixels.rgb);
             let options =
                 egui::TextureOptions { magnification: egui::TextureFilter::Nearest, ..egui::TextureOptions::LINEAR };
@@ -166,8 +183,13 @@ impl Images {
         let axis = x_axis;
         let [x, y] = kept.extent.map(|ends| ends.map(|end| axis.in_unit(end)));
         let frame = Frame { x, y };
-        let described =
-            format!("{} of {}, a picture along {} and {}", panel.name(), set.name(), x_axis.label(), y_axis.label());
+        let described = format!(
+            "{} of {}, a picture along {} and {}",
+            panel.name(),
+            set.described(),
+            x_axis.label(),
+            y_axis.label()
+        );
         let chart =
             Chart { panel, index, x: x_axis, y: y_axis, frame, square: true, picture: true, described: &described };
         let ink = ui.visuals().text_color();
@@ -178,10 +200,13 @@ impl Images {
             plot.image(image.allow_hover(false));
             mark(plot, panel, axis, hover, ink);
         });
-        if let Some([x, y]) = shown.pointer()
-            && let (Some(x), Some(y)) = (axis.backward(x), axis.backward(y))
-        {
-            scene.hover.at(panel, if panel == Panel::Spectrum { Place::Mode([x, y]) } else { Place::Lag([x, y]) });
+        let pointer = shown.pointer().and_then(|[x, y]| Some([axis.backward(x)?, axis.backward(y)?]));
+        let place = pointer.and_then(|at| match panel {
+            Panel::Spectrum => spectrum_at(analysis, at).map(|mode| Place::Mode([mode.nu[0], mode.nu[1]])),
+            _ => vector_at(analysis, at, plane_of(analysis, scene.view.plane)).map(|lag| Place::Lag(lag.lag)),
+        });
+        if let Some(place) = place {
+            scene.hover.at(panel, place);
         }
     }
 }
@@ -217,38 +242,69 @@ fn readouts(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, shown: &[usize])
             }
             _ => None,
         };
-        let text = said.unwrap_or_else(|| set.name());
+        let plane = if panel == Panel::Spectrum && analysis.domain.dim() > 2 { ", plane m_z = 0" } else { "" };
+        let text = said.unwrap_or_else(|| format!("{}{plane}", set.name()));
         Some((set.color, text.clone(), text))
     });
-    colored_line(ui, texts.collect());
+    colored_line(ui, scene, texts.collect(), scene.view.side_by_side);
 }
 
 /// The colours with what they stand for.
-fn color_bar(ui: &egui::Ui, rect: egui::Rect, colors: ColorMap, ticks: &[(f64, String)], name: &str) {
+fn color_bar(
+    ui: &egui::Ui,
+    rect: egui::Rect,
+    (ticks, colors, name, described): (Vec<(f64, String)>, ColorMap, &str, String),
+) {
     const STEPS: usize = 64;
     let font = egui::TextStyle::Small.resolve(ui.style());
     let (ink, painter) = (ui.visuals().text_color(), ui.painter());
-    let bar =
-        egui::Rect::from_min_max(rect.min + egui::vec2(0.0, 18.0), egui::pos2(rect.min.x + 10.0, rect.max.y - 22.0));
-    if bar.height() < 20.0 {
+    let upright = rect.height() > rect.width();
+    let bar = if upright {
+        let corner = rect.min + egui::vec2(0.0, 18.0);
+        egui::Rect::from_min_max(corner, egui::pos2(corner.x + 10.0, rect.max.y - 22.0))
+    } else {
+        let corner = rect.min + egui::vec2(28.0, 6.0);
+        egui::Rect::from_min_max(corner, egui::pos2(rect.max.x - 28.0, corner.y + 10.0))
+    };
+    if bar.size().max_elem() < 20.0 {
         return;
     }
-    painter.text(rect.min + egui::vec2(0.0, 2.0), egui::Align2::LEFT_TOP, name, font.clone(), ink);
-    let at = |place: f64| bar.max.y - bar.height() * place as f32;
+    let response = ui.interact(rect, ui.scope_id().with("colour bar"), egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &described));
+    response.on_hover_text(described.as_str());
+    let (corner, align) = match upright {
+        true => (rect.min + egui::vec2(0.0, 2.0), egui::Align2::LEFT_TOP),
+        false => (bar.left_center() - egui::vec2(6.0, 0.0), egui::Align2::RIGHT_CENTER),
+    };
+    painter.text(corner, align, name, font.clone(), ink);
+    // Where a place is along the bar, and the slice between two.
+    let at = |place: f64| match upright {
+        true => egui::lerp(bar.max.y..=bar.min.y, place as f32),
+        false => egui::lerp(bar.min.x..=bar.max.x, place as f32),
+    };
+    let slice = |low: f64, high: f64| match upright {
+        true => egui::Rect::from_x_y_ranges(bar.x_range(), at(high)..=at(low) + 0.5),
+        false => egui::Rect::from_x_y_ranges(at(low)..=at(high) + 0.5, bar.y_range()),
+    };
     for step in 0..STEPS {
         let [low, high] = [step, step + 1].map(|k| k as f64 / STEPS as f64);
         let [r, g, b] = colors.color(0.5 * (low + high));
-        let slice = egui::Rect::from_min_max(egui::pos2(bar.min.x, at(high)), egui::pos2(bar.max.x, at(low) + 0.5));
-        painter.rect_filled(slice, 0.0, egui::Color32::from_rgb(r, g, b));
+        painter.rect_filled(slice(low, high), 0.0, egui::Color32::from_rgb(r, g, b));
     }
-    let mut free = f32::INFINITY;
-    for (place, text) in ticks {
-        let y = at(*place);
-        if y > free {
+    // The upper end comes first: it has its text in any case.
+    let mut taken: Vec<egui::Rect> = Vec::new();
+    for (place, text) in ticks.iter().rev() {
+        let (end, align, apart) = match upright {
+            true => (egui::pos2(bar.max.x, at(*place)), egui::Align2::LEFT_CENTER, egui::vec2(1.0, 0.0)),
+            false => (egui::pos2(at(*place), bar.max.y), egui::Align2::CENTER_TOP, egui::vec2(0.0, 1.0)),
+        };
+        let written = painter.layout_no_wrap(text.clone(), font.clone(), ink);
+        let room = align.anchor_size(end + 5.0 * apart, written.size());
+        if taken.iter().any(|other| other.expand2(egui::vec2(3.0, 0.0)).intersects(room)) {
             continue;
         }
-        free = y - 13.0;
-        painter.line_segment([egui::pos2(bar.max.x, y), egui::pos2(bar.max.x + 3.0, y)], egui::Stroke::new(1.0, ink));
-        painter.text(egui::pos2(bar.max.x + 5.0, y), egui::Align2::LEFT_CENTER, text, font.clone(), ink);
+        painter.line_segment([end, end + 3.0 * apart], egui::Stroke::new(1.0, ink));
+        painter.galley(room.min, written, ink);
+        taken.push(room);
     }
 }

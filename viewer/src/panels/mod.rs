@@ -119,19 +119,34 @@ fn columns(panels: usize, size: egui::Vec2) -> usize {
     (1..=panels).min_by(|&a, &b| shape(a).total_cmp(&shape(b))).unwrap_or(1)
 }
 
-/// Texts in the colours of their sets, one beside the other in one line, whatever their number; (colour, text, all of it).
-fn colored_line(ui: &mut egui::Ui, texts: Vec<(usize, String, String)>) {
-    let dark = ui.visuals().dark_mode;
-    line(ui, texts.into_iter().map(|(color, text, long)| (colors::set(color, dark), text, long)).collect());
+/// Rectangles for several charts, `gap` apart, as square as can be.
+fn cells(area: egui::Rect, count: usize, gap: f32) -> Vec<egui::Rect> {
+    let columns = columns(count.max(1), area.size());
+    let rows = count.max(1).div_ceil(columns);
+    let size = egui::vec2(area.width() / columns as f32, area.height() / rows as f32);
+    let corner = |k: usize| area.min + egui::vec2((k % columns) as f32 * size.x, (k / columns) as f32 * size.y);
+    (0..count).map(|k| egui::Rect::from_min_size(corner(k), size - egui::vec2(gap, 0.0))).collect()
+}
+
+/// Texts in the colours of their sets, one beside the other in one line, whatever their number; (colour, text, all of it). Then
+/// why other sets are not there. `spread` gives each the room of its picture.
+fn colored_line(ui: &mut egui::Ui, scene: &Scene<'_>, texts: Vec<(usize, String, String)>, spread: bool) {
+    let (dark, alarm) = (ui.visuals().dark_mode, ui.visuals().error_fg_color);
+    let texts = texts.into_iter().map(|(color, text, long)| (colors::set(color, dark), text, long));
+    let failed = scene.sets.iter().filter(|set| set.visible && set.analysis().is_none()).filter_map(|set| {
+        let text = format!("{}: {}", set.name(), set.snapshot.as_ref()?.error.as_ref()?);
+        Some((alarm, text.clone(), text))
+    });
+    line(ui, texts.chain(failed).collect(), spread);
 }
 
 /// Texts in one line, in places that do not depend on what they say. Whether one of them had to be cut.
-fn line(ui: &mut egui::Ui, texts: Vec<(egui::Color32, String, String)>) -> bool {
+fn line(ui: &mut egui::Ui, texts: Vec<(egui::Color32, String, String)>, spread: bool) -> bool {
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (line, _) = ui.allocate_exact_size(size, egui::Sense::hover());
     let count = texts.len().max(1) as f32;
     // The only one has all the room; several stand close together.
-    let width = if texts.len() > 1 { (size.x / count).min(170.0) } else { size.x };
+    let width = if texts.len() > 1 && !spread { (size.x / count).min(170.0) } else { size.x / count };
     let font = egui::TextStyle::Small.resolve(ui.style());
     let mut cut = false;
     for (index, (color, text, long)) in texts.into_iter().enumerate() {

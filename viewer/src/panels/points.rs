@@ -10,7 +10,7 @@ use pairwave::report::{Axis, Frame, Panel, overlays};
 use pairwave::request::PointsRequest;
 
 use super::chart::{Chart, Shown, Zoomed};
-use super::{Scene, colored_line, planes, said_instead};
+use super::{Scene, cells, colored_line, planes, said_instead};
 use crate::colors;
 use crate::engine::SetId;
 use crate::hover::Place;
@@ -23,6 +23,14 @@ const MOST: usize = 20_000;
 /// More indices than this are not drawn: nobody could read them.
 const MOST_INDICES: usize = 400;
 
+/// What a drawing of points depends on: what they were asked for as, the plane, and, as a file may have changed, their ends.
+#[derive(PartialEq)]
+struct Of {
+    request: PointsRequest,
+    plane: [usize; 2],
+    ends: [Option<String>; 2],
+}
+
 /// What is drawn over points, kept until the points change.
 #[derive(Default)]
 pub(crate) struct Points {
@@ -30,7 +38,7 @@ pub(crate) struct Points {
 }
 
 struct Kept {
-    of: (PointsRequest, [usize; 2]),
+    of: Of,
     /// Number of points, and which of them are drawn: every so many.
     n: usize,
     every: usize,
@@ -43,8 +51,8 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(of: (PointsRequest, [usize; 2]), analysis: &Analysis) -> Self {
-        let plane = of.1;
+    fn new(of: Of, analysis: &Analysis) -> Self {
+        let plane = of.plane;
         let all = overlays::projected(&analysis.first, plane);
         let every = all.len().div_ceil(MOST).max(1);
         let places: Vec<[f64; 2]> = all.iter().copied().step_by(every).collect();
@@ -69,10 +77,7 @@ impl Points {
             false => vec![drawn],
         };
         let area = ui.available_rect_before_wrap();
-        let width = area.width() / charts.len() as f32;
-        for (index, sets) in charts.iter().enumerate() {
-            let corner = area.min + egui::vec2(width * index as f32, 0.0);
-            let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 4.0, area.height()));
+        for (index, (sets, rect)) in charts.iter().zip(cells(area, charts.len(), 4.0)).enumerate() {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
             ui.scope_builder(builder, |ui| self.chart(ui, index, sets, scene, zoomed));
         }
@@ -86,14 +91,16 @@ impl Points {
         for (index, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.visible) {
             let (Some(analysis), Some(snapshot)) = (set.analysis(), &set.snapshot) else { continue };
             // More realizations leave the first alone.
-            let points = PointsRequest { realizations: None, ..snapshot.request.input.clone() };
+            let request = PointsRequest { realizations: None, ..snapshot.request.input.clone() };
             let all = overlays::planes(analysis.domain.dim());
-            let of = (points, all[scene.view.plane.min(all.len() - 1)]);
+            let last = analysis.first.points_in(0).saturating_sub(1);
+            let ends = [0, last].map(|k| overlays::point_text(&analysis.first, k));
+            let of = Of { request, plane: all[scene.view.plane.min(all.len() - 1)], ends };
             if self.kept.get(&set.id).is_none_or(|kept| kept.of != of) {
                 self.kept.insert(set.id, Kept::new(of, analysis));
             }
             if let Some(kept) = self.kept.get_mut(&set.id).filter(|_| scene.view.links) {
-                let (few, plane) = (kept.every == 1, kept.of.1);
+                let (few, plane) = (kept.every == 1, kept.of.plane);
                 kept.links.get_or_insert_with(|| match few {
                     true => overlays::neighbor_links(&analysis.first, plane, &Control::default()).unwrap_or_default(),
                     false => Vec::new(),
@@ -121,7 +128,7 @@ impl Points {
             Frame { x: reach(0), y: if square { reach(1) } else { [-0.5, 0.5] } }
         });
         let Some(frame) = frames.reduce(Frame::union) else { return };
-        let names: Vec<String> = sets.iter().map(|&s| scene.sets[s].name()).collect();
+        let names: Vec<String> = sets.iter().map(|&s| scene.sets[s].described()).collect();
         let described =
             format!("points of {}, first realization, along {} and {}", names.join(", "), axis.label(), y_axis.label());
         let chart = Chart {
@@ -183,7 +190,7 @@ impl Points {
             let text = std::iter::once(text).chain(hidden.into_iter().flatten()).collect::<Vec<_>>().join("; ");
             Some((set.color, text.clone(), text))
         });
-        colored_line(ui, texts.collect());
+        colored_line(ui, scene, texts.collect(), scene.view.side_by_side);
     }
 }
 
@@ -240,9 +247,16 @@ impl Drawing<'_> {
             let color = ui.visuals().text_color();
             let align = egui::Align2::LEFT_BOTTOM;
             if seen.len() <= MOST_INDICES {
+                // Where several would lie over each other, the first is written.
+                let mut taken: Vec<egui::Rect> = Vec::with_capacity(seen.len());
                 for (k, at) in seen {
                     let text = (k * self.kept.every).to_string();
-                    self.painter.text(at + egui::vec2(radius, -radius), align, text, font.clone(), color);
+                    let written = self.painter.layout_no_wrap(text, font.clone(), color);
+                    let place = align.anchor_size(at + egui::vec2(radius, -radius), written.size());
+                    if taken.iter().all(|other| !other.intersects(place)) {
+                        self.painter.galley(place.min, written, color);
+                        taken.push(place);
+                    }
                 }
             } else {
                 let corner = visible.left_bottom() + egui::vec2(8.0, -8.0);

@@ -1,0 +1,182 @@
+//! How it looks: every panel, both themes, two sizes, an error, sets overlaid and side by side, space, the help. Pictures of software
+//! Vulkan; `UPDATE_SNAPSHOTS=1 cargo test -p pairwave-viewer --test looks` accepts what it looks like now.
+
+use std::time::{Duration, Instant};
+
+use eframe::egui;
+use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
+use pairwave::report::Panel;
+use pairwave::request::Request;
+use pairwave_viewer::app::Viewer;
+use pairwave_viewer::files::{Answer, Choice, Files};
+use pairwave_viewer::view::{Theme, View};
+
+const SMALL: [f32; 2] = [900.0, 600.0];
+const LARGE: [f32; 2] = [1600.0, 1000.0];
+const PANEL: [f32; 2] = [640.0, 440.0];
+const JITTERED: &str = "--sampler jittered -n 64 -k 8 --max-frequency 24 --lag-bins 24";
+const RANDOM: &str = "--sampler random -n 144 -k 8 --max-frequency 24 --lag-bins 24";
+const SPACE: &str = "--sampler jittered --dim 3 -n 64 -k 4 --max-frequency 6 --lag-bins 12";
+
+struct NoFiles;
+impl Files for NoFiles {
+    fn choose(&mut self, _: Choice) {}
+    fn save(&mut self, _: &str, _: Vec<u8>) {}
+    fn answers(&mut self) -> Vec<Answer> {
+        Vec::new()
+    }
+}
+
+type Window = Harness<'static, Viewer>;
+
+/// A window on these sets, measured to the end; `None` where there is no Vulkan and that is allowed.
+fn window(lines: &[&str], size: [f32; 2], view: View) -> Option<Window> {
+    if std::env::var("PAIRWAVE_ALLOW_NO_GPU").is_ok_and(|v| v == "1") {
+        eprintln!("not looked at: PAIRWAVE_ALLOW_NO_GPU is set");
+        return None;
+    }
+    let request = |line: &&str| {
+        Request::parse(format!("{line} --device cpu --threads 2").split_whitespace().map(String::from)).unwrap()
+    };
+    let mut requests = lines.iter().map(request);
+    let mut viewer = Viewer::new(requests.next().unwrap(), Box::new(NoFiles), || ()).unwrap();
+    requests.for_each(|request| viewer.add(request));
+    viewer.timings = false;
+    viewer.set_view(view);
+    let still = |ctx: &egui::Context| {
+        ctx.all_styles_mut(|style| {
+            style.animation_time = 0.0;
+            style.visuals.text_cursor.blink = false;
+        });
+    };
+    let mut window = Harness::builder()
+        .with_size(size)
+        .with_context_setup(still)
+        .wgpu()
+        .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
+    settle(&mut window);
+    Some(window)
+}
+
+/// Until everything asked for is there, and drawn.
+fn settle(window: &mut Window) {
+    let start = Instant::now();
+    window.run_steps(2);
+    while !window.state().is_settled() {
+        assert!(start.elapsed() < Duration::from_secs(300), "waited in vain for the measurement");
+        std::thread::sleep(Duration::from_millis(10));
+        window.run_steps(2);
+    }
+    window.run_steps(4);
+}
+
+/// A few pixels may differ, as they do between versions of the rasterizer: fewer than a curve has.
+fn alike() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(1.0).max_failed_pixels(40_usize)
+}
+
+/// Compares with the picture of this name; `seen` fails in the end if one differs.
+fn look(seen: &mut SnapshotResults, window: &mut Window, name: &str) {
+    window.snapshot_options(name, &alike());
+    seen.extend(window.take_snapshot_results());
+}
+
+fn light() -> View {
+    View { theme: Theme::Light, ..View::default() }
+}
+
+fn only(panel: Panel) -> View {
+    View { maximized: Some(panel), ..light() }
+}
+
+#[test]
+fn panels() {
+    let mut seen = SnapshotResults::new();
+    for panel in Panel::ALL {
+        let Some(mut window) = window(&[JITTERED], PANEL, only(panel)) else { return };
+        look(&mut seen, &mut window, &format!("panel_{}", panel.slug()));
+    }
+}
+
+#[test]
+fn window_in_both_themes_and_two_sizes() {
+    let mut seen = SnapshotResults::new();
+    for (theme, theme_name) in [(Theme::Light, "light"), (Theme::Dark, "dark")] {
+        for (size, size_name) in [(SMALL, "small"), (LARGE, "large")] {
+            let Some(mut window) = window(&[JITTERED], size, View { theme, ..light() }) else { return };
+            look(&mut seen, &mut window, &format!("window_{theme_name}_{size_name}"));
+        }
+    }
+}
+
+#[test]
+fn a_missing_file() {
+    let mut seen = SnapshotResults::new();
+    let Some(mut window) = window(&["there_is_no_such_file.txt"], SMALL, light()) else { return };
+    look(&mut seen, &mut window, "missing_file");
+}
+
+#[test]
+fn two_sets() {
+    let mut seen = SnapshotResults::new();
+    let Some(mut window) = window(&[JITTERED, RANDOM], SMALL, light()) else { return };
+    look(&mut seen, &mut window, "two_sets_overlaid");
+    window.state_mut().set_view(View { side_by_side: true, theme: Theme::Dark, ..light() });
+    settle(&mut window);
+    look(&mut seen, &mut window, "two_sets_side_by_side");
+    // A set that cannot be measured beside one that can.
+    let Some(mut window) = self::window(&[JITTERED, "there_is_no_such_file.txt"], SMALL, light()) else { return };
+    look(&mut seen, &mut window, "one_of_two_fails");
+}
+
+#[test]
+fn points_with_all_that_is_drawn_over_them() {
+    let mut seen = SnapshotResults::new();
+    let view = View { tiling: true, indices: true, strata: true, links: true, ..only(Panel::Points) };
+    let Some(mut window) = window(&[JITTERED], PANEL, view) else { return };
+    look(&mut seen, &mut window, "points_with_all");
+}
+
+#[test]
+fn sets_in_space() {
+    let mut seen = SnapshotResults::new();
+    let Some(mut window) = window(&[SPACE], SMALL, View { plane: 1, ..light() }) else { return };
+    look(&mut seen, &mut window, "space");
+}
+
+#[test]
+fn what_is_under_the_pointer_is_marked_everywhere() {
+    let mut seen = SnapshotResults::new();
+    let Some(mut window) = window(&[JITTERED], SMALL, light()) else { return };
+    // In g(r).
+    window.hover_at(egui::pos2(560.0, 180.0));
+    window.run_steps(4);
+    look(&mut seen, &mut window, "pointer");
+}
+
+#[test]
+fn help() {
+    let mut seen = SnapshotResults::new();
+    let Some(mut window) = window(&[JITTERED], SMALL, View { theme: Theme::Dark, ..light() }) else { return };
+    window.key_press(egui::Key::F1);
+    window.run_steps(3);
+    look(&mut seen, &mut window, "help");
+}
+
+#[test]
+fn a_difference_is_seen() {
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let view = only(Panel::Pcf);
+    let Some(mut window) = window(&[JITTERED], PANEL, view.clone()) else { return };
+    window.render().unwrap().save(dir.path().join("pcf.png")).unwrap();
+    let options = alike().output_path(dir.path());
+    let compare =
+        |window: &mut Window| egui_kittest::try_image_snapshot_options(&window.render().unwrap(), "pcf", &options);
+    compare(&mut window).unwrap();
+    window.state_mut().set_view(View { bands: false, ..view });
+    window.run_steps(3);
+    assert!(compare(&mut window).is_err(), "without its error band g(r) looks the same");
+}
