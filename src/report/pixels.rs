@@ -47,7 +47,6 @@ pub fn spectrum_pixels(
     let n = analysis.shape.mean_points;
     let cells = half.map(|h| 2 * h as usize + 1);
     let (block, [width, height]) = blocks(cells, most);
-    let p = |m0: i32, m1: i32| spectrum.p[grid.half_index([m0, m1, 0])];
     // The modes of a pixel along an axis.
     let modes = |axis: usize, k: usize| {
         let first = (k * block) as i32 - half[axis];
@@ -58,9 +57,14 @@ pub fn spectrum_pixels(
         if columns.contains(&0) && rows.contains(&0) {
             return DC;
         }
-        let all = || rows.clone().flat_map(|m1| columns.clone().map(move |m0| p(m0, m1)));
-        let highest = all().fold(0.0, f64::max);
-        let seen = if highest > peak(n) { highest } else { all().sum::<f64>() / all().count() as f64 };
+        let (mut sum, mut highest) = (0.0, 0.0f64);
+        for m1 in rows.clone() {
+            for m0 in columns.clone() {
+                let p = spectrum.p[grid.half_index([m0, m1, 0])];
+                (sum, highest) = (sum + p, highest.max(p));
+            }
+        }
+        let seen = if highest > peak(n) { highest } else { sum / (rows.len() * columns.len()) as f64 };
         colors.color(tone_map.tone(seen, white.unwrap_or(n)))
     };
     let ends = |axis: usize, pixels: usize| {

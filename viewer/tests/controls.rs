@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use pairwave::report::{Panel, ToneMap};
 use pairwave::request::Request;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::{Answer, Choice, Files};
@@ -234,4 +235,30 @@ fn every_control_has_a_name() {
         }
     }
     assert!(named > 50, "{named}");
+}
+
+#[test]
+fn pictures_are_given_back() {
+    let mut window = window("--sampler jittered -n 16 -k 2 --max-frequency 8 --lag-bins 8");
+    let held = |window: &Window| window.ctx.tex_manager().read().num_allocated();
+    let before = held(&window);
+    let all = window.state().view().clone();
+    for turn in 0..60 {
+        // Other looks, another plane of the same picture, panels hidden and shown, a set more and less.
+        let mut view = all.clone();
+        view.tone_map = ToneMap::ALL[turn % ToneMap::ALL.len()];
+        view.side_by_side = turn % 3 == 0;
+        view.maximized = Panel::ALL.get(turn % 11).copied();
+        window.state_mut().set_view(view);
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+        window.run_steps(3);
+        settle(&mut window);
+        assert_eq!(window.state().requests().count(), 2);
+        window.key_press(egui::Key::Delete);
+        window.run_steps(3);
+    }
+    window.state_mut().set_view(all);
+    settle(&mut window);
+    assert_eq!(window.state().requests().count(), 1);
+    assert_eq!(held(&window), before);
 }

@@ -95,11 +95,10 @@ impl Images {
         let Some(analysis) = scene.sets[first].analysis() else { return };
         let area = ui.available_rect_before_wrap();
         // The colour bar is where it leaves pictures the most room.
-        let (pictures, bar) = if area.width() > area.height() {
-            area.split_left_right_at_x(area.max.x - 62.0)
-        } else {
-            area.split_top_bottom_at_y(area.max.y - 36.0)
-        };
+        let beside = area.split_left_right_at_x(area.max.x - 62.0);
+        let below = area.split_top_bottom_at_y(area.max.y - 36.0);
+        let side = |pictures: egui::Rect| (pictures.width() - 30.0).min(pictures.height() - 20.0);
+        let (pictures, bar) = if side(beside.0) >= side(below.0) { beside } else { below };
         for (index, (&of, rect)) in shown.iter().zip(cells(pictures, shown.len(), 14.0)).enumerate() {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
             ui.scope_builder(builder, |ui| self.picture(ui, panel, index, of, scene, zoomed));

@@ -20,6 +20,9 @@ use crate::view::View;
 /// More points than this are drawn in part: a screen has no room for them.
 const MOST: usize = 20_000;
 
+/// More links than this would be a tangle, and slow.
+const MOST_LINKS: usize = 5_000;
+
 /// More indices than this are not drawn: nobody could read them.
 const MOST_INDICES: usize = 400;
 
@@ -43,7 +46,9 @@ struct Kept {
     n: usize,
     every: usize,
     places: Vec<[f64; 2]>,
+    /// Copies across the sides, of every so many.
     tiles: Vec<[f64; 2]>,
+    tiled: usize,
     strata: Vec<[[f64; 2]; 2]>,
     /// Made when they are first asked for.
     links: Option<Vec<[[f64; 2]; 2]>>,
@@ -56,10 +61,13 @@ impl Kept {
         let all = overlays::projected(&analysis.first, plane);
         let every = all.len().div_ceil(MOST).max(1);
         let places: Vec<[f64; 2]> = all.iter().copied().step_by(every).collect();
-        let tiles = overlays::tiles(&analysis.domain, plane, &places).unwrap_or_default();
+        // There are up to eight copies.
+        let tiled = (8 * places.len()).div_ceil(MOST).max(1);
+        let copied: Vec<[f64; 2]> = places.iter().copied().step_by(tiled).collect();
+        let tiles = overlays::tiles(&analysis.domain, plane, &copied).unwrap_or_default();
         let strata = overlays::strata_lines(&analysis.domain, plane, all.len()).unwrap_or_default();
         let frame = overlays::frame(&analysis.domain, plane);
-        Self { of, n: all.len(), every, places, tiles, strata, links: None, frame }
+        Self { of, n: all.len(), every, places, tiles, tiled, strata, links: None, frame }
     }
 }
 
@@ -100,7 +108,7 @@ impl Points {
                 self.kept.insert(set.id, Kept::new(of, analysis));
             }
             if let Some(kept) = self.kept.get_mut(&set.id).filter(|_| scene.view.links) {
-                let (few, plane) = (kept.every == 1, kept.of.plane);
+                let (few, plane) = (kept.n <= MOST_LINKS, kept.of.plane);
                 kept.links.get_or_insert_with(|| match few {
                     true => overlays::neighbor_links(&analysis.first, plane, &Control::default()).unwrap_or_default(),
                     false => Vec::new(),
@@ -180,11 +188,13 @@ impl Points {
             let (kept, analysis) = (self.kept.get(&set.id)?, set.analysis()?);
             let text = match scene.hover.place() {
                 Some(Place::Point(id, k)) if id == set.id => overlays::point_text(&analysis.first, k)?,
-                _ if kept.every > 1 => format!("{}, every {}th of {} points", set.name(), kept.every, kept.n),
+                _ if kept.every > 1 => format!("{}, one in {} of {} points", set.name(), kept.every, kept.n),
                 _ => format!("{}, {} points", set.name(), kept.n),
             };
             let hidden = [
-                (scene.view.links && kept.every > 1).then(|| format!("no links for more than {MOST} points")),
+                (scene.view.links && kept.n > MOST_LINKS)
+                    .then(|| format!("no links for more than {MOST_LINKS} points")),
+                (scene.view.tiling && kept.tiled > 1).then(|| format!("copies of one in {}", kept.tiled * kept.every)),
                 (scene.view.strata && kept.strata.is_empty()).then(|| "no strata: n is no power".to_string()),
             ];
             let text = std::iter::once(text).chain(hidden.into_iter().flatten()).collect::<Vec<_>>().join("; ");
