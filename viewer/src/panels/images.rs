@@ -12,6 +12,7 @@ use pairwave::report::{
 
 use super::chart::{Chart, Zoomed};
 use super::{Scene, cells, colored_line, planes, said_instead};
+use crate::colors;
 use crate::engine::SetId;
 use crate::hover::{Hover, Place};
 use crate::set::Set;
@@ -199,6 +200,15 @@ impl Images {
             plot.image(image.allow_hover(false));
             mark(plot, panel, axis, hover, ink);
         });
+        if scene.view.side_by_side && scene.sets.len() > 1 {
+            let (painter, fill) = (shown.painter(ui), ui.visuals().extreme_bg_color);
+            let (font, color) =
+                (egui::TextStyle::Small.resolve(ui.style()), colors::set(set.color, ui.visuals().dark_mode));
+            let name = painter.layout_no_wrap(set.name(), font, color);
+            let place = egui::Rect::from_min_size(shown.response.rect.min, name.size() + egui::vec2(6.0, 2.0));
+            painter.rect_filled(place, 0.0, fill);
+            painter.galley(place.min + egui::vec2(3.0, 1.0), name, color);
+        }
         let pointer = shown.pointer().and_then(|[x, y]| Some([axis.backward(x)?, axis.backward(y)?]));
         let place = pointer.and_then(|at| match panel {
             Panel::Spectrum => spectrum_at(analysis, at).map(|mode| Place::Mode([mode.nu[0], mode.nu[1]])),
