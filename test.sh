@@ -52,6 +52,7 @@ fi
 if command -v rustup >/dev/null; then
     rustup component list --installed 2>/dev/null | grep -q '^clippy' || rustup component add clippy
     rustup component list --installed 2>/dev/null | grep -q '^rustfmt' || rustup component add rustfmt
+    rustup target list --installed 2>/dev/null | grep -q '^wasm32-unknown-unknown' || rustup target add wasm32-unknown-unknown
 fi
 
 set -x
@@ -62,3 +63,7 @@ cargo test --workspace
 # The library and the command line need no GUI crate.
 tree=$(cargo tree -p pairwave -e normal,build,dev --prefix none)
 ! grep -E '^(egui|eframe|winit|rfd)' <<<"$tree" || exit 1
+# The viewer stays fit for a browser.
+if [ -d "$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ]; then
+    RUSTFLAGS="-D warnings" cargo check --target wasm32-unknown-unknown -p pairwave-viewer --lib
+fi

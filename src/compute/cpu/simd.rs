@@ -1,6 +1,9 @@
 //! Which instruction set is used, and the loops that the compiler vectorizes by itself once it may use that set.
 
-#![expect(unsafe_code, reason = "calls into functions for a detected instruction set")]
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "calls into functions for a detected instruction set")
+)]
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
