@@ -1,7 +1,10 @@
 //! The inner loop of lag counting: plain Rust that the compiler vectorizes, once per instruction set. `unsafe` are calls
 //! across a `target_feature` boundary, made after asking the processor.
 
-#![expect(unsafe_code, reason = "calls into functions for a detected instruction set")]
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "calls into functions for a detected instruction set")
+)]
 
 use std::ops::Range;
 

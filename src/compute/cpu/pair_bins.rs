@@ -2,7 +2,10 @@
 //! (made after asking the processor), and loads, stores and counter updates whose bounds are asserted or clamped just
 //! before.
 
-#![expect(unsafe_code, reason = "SIMD loads and stores, and calls into functions for a detected instruction set")]
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "SIMD loads and stores, and calls into functions for a detected instruction set")
+)]
 
 use std::ops::Range;
 
@@ -360,6 +363,7 @@ fn look_up_avx2(
 /// Linear bins into the histograms of `linear`, by way of `stream`. Undecided pairs are counted where they may be wrong.
 /// Whether there is a kernel for it; `by_r2` does it too.
 #[must_use]
+#[cfg_attr(not(target_arch = "x86_64"), allow(unreachable_code, unused_variables, reason = "there is no vector loop"))]
 pub(super) fn linear_histogram(
     level: SimdLevel,
     job: &Rows<'_>,
