@@ -33,7 +33,7 @@ fn frame(window: &mut Harness<'_, Viewer>) -> Duration {
 fn main() {
     let points = View { maximized: Some(Panel::Points), ..View::default() };
     let all_over = View { tiling: true, links: true, strata: true, indices: true, ..points.clone() };
-    let four: Vec<&str> = vec!["--sampler random -n 1024 -k 20", "--sampler jittered -n 1024 -k 20"].repeat(2);
+    let four = ["--sampler random -n 1024 -k 20", "--sampler jittered -n 1024 -k 20"].repeat(2);
     let scenes: [(&str, Vec<&str>, View, bool); 7] = [
         ("six panels of one set, settled", vec!["--sampler jittered -n 1024 -k 20"], View::default(), true),
         ("six panels of four sets, settled", four.clone(), View::default(), true),
