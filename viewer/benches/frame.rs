@@ -1,24 +1,16 @@
 //! Processor time per frame of the window, without what the device that draws takes: laid out, and made into triangles.
 //! `cargo bench -p pairwave-viewer --bench frame`
 
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
 use pairwave::report::Panel;
-use pairwave::request::Request;
 use pairwave_viewer::app::Viewer;
-use pairwave_viewer::files::{Answer, Choice, Files};
 use pairwave_viewer::view::View;
-
-struct NoFiles;
-impl Files for NoFiles {
-    fn choose(&mut self, _: Choice) {}
-    fn save(&mut self, _: &str, _: Vec<u8>) {}
-    fn answers(&mut self) -> Vec<Answer> {
-        Vec::new()
-    }
-}
 
 const FRAMES: usize = 60;
 
@@ -60,14 +52,7 @@ fn main() {
     ];
     println!("milliseconds per frame of 1600 x 1000: median, ninth decile, longest of {FRAMES}");
     for (name, lines, view, settled) in scenes {
-        let request = |line: &str| {
-            Request::parse(format!("{line} --device cpu --threads 1").split_whitespace().map(String::from))
-                .expect("a request")
-        };
-        let mut requests = lines.into_iter().map(request);
-        let first = requests.next().expect("a set");
-        let mut viewer = Viewer::new(first, Box::new(NoFiles), || ()).expect("a thread");
-        requests.for_each(|request| viewer.add(request));
+        let mut viewer = common::viewer(&lines);
         viewer.set_view(view);
         let mut window = Harness::builder()
             .with_size([1600.0, 1000.0])

@@ -109,7 +109,7 @@ const MOUSE: [(&str, &str); 8] = [
     ("point at", "mark the same distance or frequency in every panel, with value, error and unit"),
     ("drag", "pan"),
     ("wheel, pinch", "zoom"),
-    ("right drag", "zoom to a box in a plot"),
+    ("right drag", "zoom to a box in a plot of curves"),
     ("double click", "in a plot: reset its zoom; on a title: fill the window, show all again"),
     ("📤 of a panel", "take away its picture, figure, numbers or command"),
     ("any setting", "point at it: what it means, its unit and its flag"),

@@ -1,48 +1,22 @@
 //! The controls by their names: what they do to the request, and what they say when it cannot be.
 
-use std::time::{Duration, Instant};
+mod common;
 
+use std::time::Duration;
+
+use common::{Window, settle, viewer};
 use eframe::egui::{self, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use pairwave::report::{Panel, ToneMap};
-use pairwave::request::Request;
 use pairwave_viewer::app::Viewer;
-use pairwave_viewer::files::{Answer, Choice, Files};
-
-struct NoFiles;
-impl Files for NoFiles {
-    fn choose(&mut self, _: Choice) {}
-    fn save(&mut self, _: &str, _: Vec<u8>) {}
-    fn answers(&mut self) -> Vec<Answer> {
-        Vec::new()
-    }
-}
-
-type Window = Harness<'static, Viewer>;
 
 fn window(line: &str) -> Window {
-    let line = format!("{line} --device cpu --threads 2");
-    let request = Request::parse(line.split_whitespace().map(String::from)).unwrap();
-    let viewer = Viewer::new(request, Box::new(NoFiles), || ()).unwrap();
     let mut window = Harness::builder()
         .with_size(egui::vec2(1100.0, 1400.0))
-        .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
+        .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer(&[line]));
     settle(&mut window);
     window
-}
-
-/// Until everything asked for is there.
-fn settle(window: &mut Window) {
-    let start = Instant::now();
-    loop {
-        window.run_steps(2);
-        if window.state().is_settled() {
-            return window.run_steps(2);
-        }
-        assert!(start.elapsed() < Duration::from_secs(300), "never settles: {:?}", window.state().snapshots().next());
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 fn command(window: &Window) -> String {

@@ -1,14 +1,13 @@
 //! How it looks: every panel, both themes, two sizes, an error, sets overlaid and side by side, space, the help. Pictures of software
 //! Vulkan; `UPDATE_SNAPSHOTS=1 cargo test -p pairwave-viewer --test looks` accepts what it looks like now.
 
-use std::time::{Duration, Instant};
+mod common;
 
+use common::{Window, settle, viewer};
 use eframe::egui;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use pairwave::report::Panel;
-use pairwave::request::Request;
 use pairwave_viewer::app::Viewer;
-use pairwave_viewer::files::{Answer, Choice, Files};
 use pairwave_viewer::view::{Theme, View};
 
 const SMALL: [f32; 2] = [900.0, 600.0];
@@ -18,29 +17,13 @@ const JITTERED: &str = "--sampler jittered -n 64 -k 8 --max-frequency 24 --lag-b
 const RANDOM: &str = "--sampler random -n 144 -k 8 --max-frequency 24 --lag-bins 24";
 const SPACE: &str = "--sampler jittered --dim 3 -n 64 -k 4 --max-frequency 6 --lag-bins 12";
 
-struct NoFiles;
-impl Files for NoFiles {
-    fn choose(&mut self, _: Choice) {}
-    fn save(&mut self, _: &str, _: Vec<u8>) {}
-    fn answers(&mut self) -> Vec<Answer> {
-        Vec::new()
-    }
-}
-
-type Window = Harness<'static, Viewer>;
-
 /// A window on these sets, measured to the end; `None` where there is no Vulkan and that is allowed.
 fn window(lines: &[&str], size: [f32; 2], view: View) -> Option<Window> {
     if std::env::var("PAIRWAVE_ALLOW_NO_GPU").is_ok_and(|v| v == "1") {
         eprintln!("not looked at: PAIRWAVE_ALLOW_NO_GPU is set");
         return None;
     }
-    let request = |line: &&str| {
-        Request::parse(format!("{line} --device cpu --threads 2").split_whitespace().map(String::from)).unwrap()
-    };
-    let mut requests = lines.iter().map(request);
-    let mut viewer = Viewer::new(requests.next().unwrap(), Box::new(NoFiles), || ()).unwrap();
-    requests.for_each(|request| viewer.add(request));
+    let mut viewer = viewer(lines);
     viewer.timings = false;
     viewer.set_view(view);
     let still = |ctx: &egui::Context| {
@@ -56,18 +39,6 @@ fn window(lines: &[&str], size: [f32; 2], view: View) -> Option<Window> {
         .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
     settle(&mut window);
     Some(window)
-}
-
-/// Until everything asked for is there, and drawn.
-fn settle(window: &mut Window) {
-    let start = Instant::now();
-    window.run_steps(2);
-    while !window.state().is_settled() {
-        assert!(start.elapsed() < Duration::from_secs(300), "waited in vain for the measurement");
-        std::thread::sleep(Duration::from_millis(10));
-        window.run_steps(2);
-    }
-    window.run_steps(4);
 }
 
 /// A few pixels may differ, as they do between versions of the rasterizer: fewer than a curve has.

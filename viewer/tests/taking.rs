@@ -4,12 +4,15 @@
 //! command line, that the command in the clipboard is that of those bytes, that a session comes back as it was and that one that
 //! cannot is refused with a reason, and that every key does what the help says of it.
 
+mod common;
+
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::process::Command;
 use std::rc::Rc;
 use std::time::Duration;
 
+use common::{Window, request, settle};
 use eframe::egui;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
@@ -50,12 +53,6 @@ impl Files for Memory {
     }
 }
 
-type Window = Harness<'static, Viewer>;
-
-fn request(line: &str) -> Request {
-    Request::parse(format!("{line} --device cpu --threads 1").split_whitespace().map(String::from)).unwrap()
-}
-
 fn viewer(request: Request) -> (Viewer, Rc<RefCell<Log>>) {
     let log = Rc::<RefCell<Log>>::default();
     (Viewer::new(request, Box::new(Memory(log.clone())), || ()).unwrap(), log)
@@ -66,18 +63,6 @@ fn open(viewer: Viewer, pixels_per_point: f32) -> Window {
     let mut window = builder.wgpu().build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
     window.run_steps(2);
     window
-}
-
-/// Lets it measure all it was asked for, and draws that.
-fn settle(window: &mut Window) {
-    for _ in 0..30_000 {
-        window.step();
-        if window.state().is_settled() {
-            return window.run_steps(2);
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    panic!("still measuring");
 }
 
 /// What a frame left on the clipboard.

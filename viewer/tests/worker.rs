@@ -1,11 +1,14 @@
 //! The worker without a window: what it ends with, and that it can be interrupted at any time.
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use common::request;
 use pairwave::analysis::{self, Analysis, Plan};
 use pairwave::compute::Control;
 use pairwave::report;
@@ -16,10 +19,6 @@ use pairwave_viewer::worker::Worker;
 
 /// Longer than anything here takes: a wait that ends is a failure.
 const NEVER: Duration = Duration::from_secs(300);
-
-fn request(line: &str) -> Request {
-    Request::parse(format!("{line} --device cpu --threads 2").split_whitespace().map(String::from)).unwrap()
-}
 
 fn worker() -> (Worker, Receiver<()>) {
     let (tell, told) = channel();
