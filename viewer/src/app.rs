@@ -17,7 +17,7 @@ use crate::session::Wanted;
 use crate::set::{MOST_SETS, Set};
 use crate::view::{Theme, View};
 use crate::worker::Worker;
-use crate::{controls, fonts, help, session, status};
+use crate::{controls, help, session, status, style};
 
 /// The state of the window.
 pub struct Viewer {
@@ -233,7 +233,7 @@ impl Viewer {
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         if !std::mem::replace(&mut self.has_fonts, true) {
-            fonts::install(&ctx);
+            style::install(&ctx);
             ctx.request_repaint();
             return;
         }

@@ -9,6 +9,7 @@ use eframe::egui;
 use pairwave::request::PointsRequest;
 
 use crate::app::Viewer;
+use crate::session::Session;
 use crate::set::MOST_SETS;
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -55,9 +56,9 @@ pub trait Files {
 
 /// A session, if the file can be read.
 pub(crate) fn read_session(path: &Path) -> Answer {
-    match std::fs::read_to_string(path) {
+    match Session::read(path) {
         Ok(text) => Answer::Session { path: path.into(), text },
-        Err(error) => Answer::Failed(format!("{}: {error}", path.display())),
+        Err(error) => Answer::Failed(error),
     }
 }
 

@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         let conflict = "--session FILE cannot be used with settings: they are in the session";
         Arguments::command().error(ErrorKind::ArgumentConflict, conflict).exit();
     }
-    let session = match session.map(|path| open(&path).map_err(|e| format!("{}: {e}", path.display()))).transpose() {
+    let session = match session.map(|path| open(&path)).transpose() {
         Ok(session) => session,
         Err(error) => {
             eprintln!("error: {error}");
@@ -83,5 +83,5 @@ fn main() -> ExitCode {
 }
 
 fn open(path: &std::path::Path) -> Result<Session, String> {
-    Session::parse(&std::fs::read_to_string(path).map_err(|e| e.to_string())?)
+    Session::parse(&Session::read(path)?).map_err(|e| format!("{}: {e}", path.display()))
 }

@@ -1,5 +1,6 @@
 //! A session as text: every set by its command, and the view.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use eframe::egui;
@@ -16,6 +17,9 @@ use crate::view::View;
 
 /// What a session calls itself.
 const FORMAT: &str = "pairwave-viewer session";
+
+/// What would be right.
+const EXPECTED: &str = "a session is the JSON that \"Save session\" writes";
 
 /// Raised when a session of before would mean something else, or has fields that were not there.
 const VERSION: u64 = 1;
@@ -77,10 +81,17 @@ impl Session {
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
+    /// The text of a file that should hold one.
+    pub fn read(path: &Path) -> Result<String, String> {
+        std::fs::read_to_string(path).map_err(|e| match e.kind() {
+            ErrorKind::InvalidData => format!("{}: this is no session: it is not text; {EXPECTED}", path.display()),
+            _ => format!("{}: {e}", path.display()),
+        })
+    }
+
     /// Reads JSON. Says in a line what is wrong with it and what would be right.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let head: Head = serde_json::from_str(text)
-            .map_err(|e| format!("this is no session: {e}; a session is the JSON that \"Save session\" writes"))?;
+        let head: Head = serde_json::from_str(text).map_err(|e| format!("this is no session: {e}; {EXPECTED}"))?;
         match head.format.as_deref() {
             Some(FORMAT) => {}
             Some(other) => return Err(format!("the format is {other:?}; a session has \"format\": {FORMAT:?}")),

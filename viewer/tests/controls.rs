@@ -4,7 +4,7 @@ mod common;
 
 use std::time::Duration;
 
-use common::{Window, settle, viewer};
+use common::{Window, request, settle, viewer};
 use eframe::egui::{self, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -235,4 +235,18 @@ fn pictures_are_given_back() {
     settle(&mut window);
     assert_eq!(window.state().requests().count(), 1);
     assert_eq!(held(&window), before);
+}
+
+#[test]
+fn what_was_asked_for_is_not_replaced_by_what_would_be_right() {
+    for (line, says) in [
+        ("--sampler random -n 0 -k 2", "-n 0: expected 1 to"),
+        ("--sampler random -n 99999999999999 -k 2", "-n 99999999999999: expected 1 to"),
+        ("--sampler random -n 16 -k 0", "-k 0"),
+    ] {
+        let window = window(line);
+        assert_eq!(command(&window), request(line).command().replace(" --device cpu --threads 2", ""));
+        let error = window.state().snapshots().next().flatten().and_then(|s| s.error.clone()).expect("an error");
+        assert!(error.contains(says), "{error}");
+    }
 }

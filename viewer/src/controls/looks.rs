@@ -73,7 +73,8 @@ fn pictures(ui: &mut egui::Ui, view: &mut View) {
     if let Some((name, value, range)) = dial {
         row(ui, name, &definition, |ui, label| {
             let speed = (*value * 0.01).max(1e-3);
-            let drag = egui::DragValue::new(value).range(range).speed(speed).max_decimals(3);
+            let drag =
+                egui::DragValue::new(value).range(range).clamp_existing_to_range(false).speed(speed).max_decimals(3);
             let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
             ui.add_sized(size, drag).labelled_by(label).on_hover_text(&definition);
         });

@@ -58,7 +58,7 @@ fn number(
     row(ui, name, help, |ui, label| {
         // A drag of a hundred points doubles it, about.
         let speed = (*value as f64 * 0.01).max(0.05);
-        let drag = egui::DragValue::new(value).range(range).speed(speed);
+        let drag = egui::DragValue::new(value).range(range).clamp_existing_to_range(false).speed(speed);
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
         ui.add_sized(size, drag).labelled_by(label).on_hover_text(help).changed()
     })
@@ -118,7 +118,11 @@ fn parameter(ui: &mut egui::Ui, params: &mut Vec<String>, parameter: &Parameter)
         Accepts::Above(low, high) | Accepts::Between(low, high) => row(ui, parameter.name, &help, |ui, label| {
             let mut x = value.parse::<f64>().unwrap_or(low);
             let speed = (x.abs() * 0.01).max(1e-3);
-            let drag = egui::DragValue::new(&mut x).range(low..=high).speed(speed).max_decimals(6);
+            let drag = egui::DragValue::new(&mut x)
+                .range(low..=high)
+                .clamp_existing_to_range(false)
+                .speed(speed)
+                .max_decimals(6);
             let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
             ui.add_sized(size, drag).labelled_by(label).on_hover_text(&help).changed().then(|| x.to_string())
         }),

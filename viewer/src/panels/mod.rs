@@ -41,7 +41,7 @@ impl Panels {
             None => Panel::ALL.into_iter().filter(|p| scene.view.panels.contains(p)).collect(),
         };
         if shown.is_empty() {
-            ui.centered_and_justified(|ui| ui.label("No panel is shown: choose some under Panels."));
+            centered(ui, "No panel is shown: choose some under Panels.", ui.visuals().text_color());
             return;
         }
         let area = ui.available_rect_before_wrap();
@@ -165,14 +165,25 @@ fn said_instead(ui: &mut egui::Ui, scene: &Scene<'_>, otherwise: &str) {
     let mut sets = scene.sets.iter().filter(|set| set.visible).peekable();
     let nothing_visible = sets.peek().is_none();
     let error = sets.clone().find_map(|set| set.snapshot.as_ref()?.error.clone());
-    let waiting = sets.any(|set| set.analysis().is_none());
+    // Groups of sums come in one after the other.
+    let first = |set: &Set| set.snapshot.as_ref()?.status.as_ref()?.tracks.iter().map(|track| track.done).min();
+    let waiting = sets.any(|set| set.analysis().is_none() || first(set) == Some(0));
     let (text, color) = match error {
         Some(error) => (error, ui.visuals().error_fg_color),
         None if nothing_visible => ("all sets are hidden".into(), ui.visuals().weak_text_color()),
         None if waiting => ("measuring…".into(), ui.visuals().weak_text_color()),
         None => (otherwise.to_string(), ui.visuals().weak_text_color()),
     };
-    ui.centered_and_justified(|ui| ui.add(egui::Label::new(egui::RichText::new(text).color(color)).wrap()));
+    centered(ui, &text, color);
+}
+
+/// A text in the middle of what room there is, its lines centred.
+fn centered(ui: &mut egui::Ui, text: &str, color: egui::Color32) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let mut job = egui::text::LayoutJob::simple(text.to_string(), font, color, ui.available_width());
+    job.halign = egui::Align::Center;
+    let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
+    ui.centered_and_justified(|ui| ui.add(egui::Label::new(galley)));
 }
 
 /// In 3D, the planes to look at: a choice of them.
