@@ -259,6 +259,7 @@ impl Viewer {
                 view: &mut self.view,
                 hover: &mut self.hover,
                 exports: &mut self.exports,
+                paused: self.paused,
             };
             self.panels.show(ui, &mut scene);
         });

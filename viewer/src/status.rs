@@ -14,7 +14,7 @@ pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
         }
         let Some(set) = viewer.sets.get(viewer.selected) else { return };
         let Some(snapshot) = set.snapshot.clone() else {
-            _ = ui.label("opening the device…");
+            _ = ui.label(if viewer.paused { "paused" } else { "opening the device…" });
             return;
         };
         let (busy, cancelled) = (!snapshot.done && snapshot.error.is_none(), set.cancelled);

@@ -250,3 +250,15 @@ fn what_was_asked_for_is_not_replaced_by_what_would_be_right() {
         assert!(error.contains(says), "{error}");
     }
 }
+
+#[test]
+fn a_set_that_is_added_while_paused_says_so() {
+    let mut window = window("--sampler random -n 50 -k 2");
+    click(&mut window, "Pause (Space)");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    window.run_steps(3);
+    assert!(window.query_all_by_label_contains("random: paused").next().is_some());
+    click(&mut window, "Go on (Space)");
+    settle(&mut window);
+    assert!(window.query_by_label_contains("paused").is_none());
+}

@@ -323,7 +323,7 @@ fn said(panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> Vec<(Tint, String,
             return (Tint::Error, text.clone(), text);
         }
         let Some(analysis) = set.analysis() else {
-            let text = format!("{name}: measuring…");
+            let text = scene.awaited(set).map_or_else(|| name.clone(), |awaited| format!("{name}: {awaited}"));
             return (tint, text.clone(), text);
         };
         let axis = axes(panel, analysis, scene.view).0;

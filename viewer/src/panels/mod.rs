@@ -22,6 +22,23 @@ pub(crate) struct Scene<'a> {
     pub(crate) view: &'a mut View,
     pub(crate) hover: &'a mut Hover,
     pub(crate) exports: &'a mut Exports,
+    pub(crate) paused: bool,
+}
+
+impl Scene<'_> {
+    /// Why the first realization of a set is not there, if it is not.
+    fn awaited(&self, set: &Set) -> Option<&'static str> {
+        // Groups of sums come in one after the other.
+        let first = |set: &Set| set.snapshot.as_ref()?.status.as_ref()?.tracks.iter().map(|track| track.done).min();
+        if set.analysis().is_some() && first(set) != Some(0) {
+            return None;
+        }
+        Some(match (set.cancelled, self.paused) {
+            (true, _) => "cancelled",
+            (_, true) => "paused",
+            _ => "measuring…",
+        })
+    }
 }
 
 /// What panels keep between frames.
@@ -165,14 +182,13 @@ fn said_instead(ui: &mut egui::Ui, scene: &Scene<'_>, otherwise: &str) {
     let mut sets = scene.sets.iter().filter(|set| set.visible).peekable();
     let nothing_visible = sets.peek().is_none();
     let error = sets.clone().find_map(|set| set.snapshot.as_ref()?.error.clone());
-    // Groups of sums come in one after the other.
-    let first = |set: &Set| set.snapshot.as_ref()?.status.as_ref()?.tracks.iter().map(|track| track.done).min();
-    let waiting = sets.any(|set| set.analysis().is_none() || first(set) == Some(0));
-    let (text, color) = match error {
-        Some(error) => (error, ui.visuals().error_fg_color),
-        None if nothing_visible => ("all sets are hidden".into(), ui.visuals().weak_text_color()),
-        None if waiting => ("measuring…".into(), ui.visuals().weak_text_color()),
-        None => (otherwise.to_string(), ui.visuals().weak_text_color()),
+    let awaited = sets.find_map(|set| scene.awaited(set));
+    let weak = ui.visuals().weak_text_color();
+    let (text, color) = match (error, awaited) {
+        (Some(error), _) => (error, ui.visuals().error_fg_color),
+        _ if nothing_visible => ("all sets are hidden".into(), weak),
+        (_, Some(awaited)) => (awaited.into(), weak),
+        _ => (otherwise.into(), weak),
     };
     centered(ui, &text, color);
 }
