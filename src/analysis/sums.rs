@@ -127,7 +127,7 @@ impl Sums {
             self.covariance.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));
-        all.unwrap_or_else(|| ComputedBy::new(crate::compute::Backend::Cpu, "k-d tree"))
+        all.unwrap_or_else(|| ComputedBy::new(crate::compute::Backend::Cpu, "cpu (k-d tree)"))
     }
 }
 

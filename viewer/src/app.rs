@@ -35,7 +35,7 @@ pub struct Viewer {
     pub(crate) panels: Panels,
     pub(crate) exports: Exports,
     pub(crate) files: Box<dyn Files>,
-    has_fonts: bool,
+    has_style: bool,
     /// What the window is called.
     title: String,
     worker: Worker,
@@ -65,7 +65,7 @@ impl Viewer {
             panels: Panels::default(),
             exports: Exports::default(),
             files,
-            has_fonts: false,
+            has_style: false,
             title: String::new(),
             worker: Worker::new(notify)?,
             next_id: 1,
@@ -232,7 +232,7 @@ impl Viewer {
     /// Draws a frame.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
-        if !std::mem::replace(&mut self.has_fonts, true) {
+        if !std::mem::replace(&mut self.has_style, true) {
             style::install(&ctx);
             ctx.request_repaint();
             return;

@@ -30,7 +30,7 @@ pub struct Snapshot {
     pub error: Option<String>,
     /// The flag of the setting that is to blame.
     pub flag: Option<&'static str>,
-    /// What computes, and why no GPU does.
+    /// What computed, or will, and why no GPU does.
     pub device: String,
     /// Counts the snapshots of all sets: pictures of an older one are stale.
     pub generation: u64,
@@ -51,7 +51,8 @@ pub struct Engine {
 struct Device {
     of: (DeviceChoice, Option<usize>),
     compute: Arc<dyn Compute>,
-    text: String,
+    /// Why it is this one, if that needs a word.
+    note: Option<String>,
 }
 
 struct Job {
@@ -59,7 +60,7 @@ struct Job {
     /// Not planned yet.
     changed: bool,
     running: Option<Running>,
-    device: Option<(Arc<dyn Compute>, String)>,
+    device: Option<(Arc<dyn Compute>, Option<String>)>,
     shown: Option<Instant>,
     /// Nothing is left to do, or it failed.
     idle: bool,
@@ -134,9 +135,15 @@ impl Engine {
             self.generation += 1;
             job.shown = Some(Instant::now());
             let running = job.running.as_ref();
+            let analysis = running.and_then(Running::analysis).map(Arc::new);
+            // A device that failed on the way has others finish its work.
+            let device = job.device.as_ref().map(|(compute, note)| {
+                let by = analysis.as_ref().map_or_else(|| compute.computed_by(), |a| a.computed_by.clone()).device();
+                note.as_ref().map_or(by.clone(), |note| format!("{by} ({note})"))
+            });
             Snapshot {
                 request: job.request.clone(),
-                analysis: running.and_then(Running::analysis).map(Arc::new),
+                analysis,
                 status: running.map(Running::status),
                 done: matches!(more, Ok(false)),
                 error: more.as_ref().err().map(Error::to_string),
@@ -144,7 +151,7 @@ impl Engine {
                     Err(Error::Setting { flag, .. }) => Some(flag),
                     _ => None,
                 },
-                device: job.device.as_ref().map(|(_, text)| text.clone()).unwrap_or_default(),
+                device: device.unwrap_or_default(),
                 generation: self.generation,
             }
         });
@@ -155,14 +162,14 @@ impl Engine {
     fn step_of(&mut self, job: &mut Job, control: &Control) -> Result<bool> {
         if job.changed {
             job.changed = false;
-            let (compute, text) = match self.device(&job.request) {
+            let (compute, note) = match self.device(&job.request) {
                 Ok(found) => found,
                 Err(error) => {
                     job.running = None;
                     return Err(error);
                 }
             };
-            job.device = Some((compute.clone(), text));
+            job.device = Some((compute.clone(), note));
             let planned = match &mut job.running {
                 Some(running) => running.change(job.request.clone(), compute.as_ref()),
                 None => Running::new(job.request.clone(), compute.as_ref()).map(|new| job.running = Some(new)),
@@ -180,16 +187,14 @@ impl Engine {
     }
 
     /// Devices are opened once.
-    fn device(&mut self, request: &Request) -> Result<(Arc<dyn Compute>, String)> {
+    fn device(&mut self, request: &Request) -> Result<(Arc<dyn Compute>, Option<String>)> {
         let of = (request.device, request.threads);
         if let Some(known) = self.devices.iter().find(|d| d.of == of) {
-            return Ok((known.compute.clone(), known.text.clone()));
+            return Ok((known.compute.clone(), known.note.clone()));
         }
         let opened = request.device.open(request.threads)?;
         let compute: Arc<dyn Compute> = opened.compute.into();
-        let name = compute.computed_by().device().to_string();
-        let text = opened.note.map_or(name.clone(), |note| format!("{name} ({note})"));
-        self.devices.push(Device { of, compute: compute.clone(), text: text.clone() });
-        Ok((compute, text))
+        self.devices.push(Device { of, compute: compute.clone(), note: opened.note.clone() });
+        Ok((compute, opened.note))
     }
 }

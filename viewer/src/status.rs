@@ -4,6 +4,7 @@ use eframe::egui;
 use pairwave::report::Panel;
 
 use crate::app::Viewer;
+use crate::engine::Snapshot;
 
 /// Draws the line, of the selected set.
 pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
@@ -41,6 +42,7 @@ pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
         let bar = egui::ProgressBar::new(status.fraction() as f32).desired_width(120.0).text(progress.as_str());
         let bar = ui.add(bar);
         bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &progress));
+        warnings(ui, &snapshot);
         let hidden = Panel::ALL.iter().filter(|p| !viewer.is_shown(**p)).map(|p| p.name()).collect::<Vec<_>>();
         let skipped = if hidden.is_empty() { String::new() } else { format!("not computed: {}", hidden.join(", ")) };
         let time = if viewer.timings { status.time() } else { String::new() };
@@ -50,4 +52,19 @@ pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
         let stages: String = status.timings.iter().map(seconds).collect();
         ui.add(egui::Label::new(&line).truncate()).on_hover_text(format!("{line}{stages}"));
     });
+}
+
+/// What is to be known of the numbers before they are believed: how many there are, and all of them when asked.
+fn warnings(ui: &mut egui::Ui, snapshot: &Snapshot) {
+    let all = snapshot.analysis.as_ref().map_or(&[][..], |analysis| &analysis.warnings);
+    if all.is_empty() {
+        return;
+    }
+    let many = if all.len() == 1 { "1 warning".to_string() } else { format!("{} warnings", all.len()) };
+    let text = egui::RichText::new(format!("⚠ {many}")).color(ui.visuals().warn_fg_color);
+    let menu = ui.menu_button(text, |ui| {
+        ui.set_max_width(420.0);
+        all.iter().for_each(|warning| _ = ui.label(warning));
+    });
+    menu.response.on_hover_text(all.join("\n"));
 }

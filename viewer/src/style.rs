@@ -12,10 +12,14 @@ pub(crate) fn install(ctx: &egui::Context) {
     }
     ctx.set_fonts(fonts);
     ctx.all_styles_mut(|style| {
-        // Pure red has a contrast of 4 on either ground; these have more than 6.
-        let dark = style.visuals.dark_mode;
-        style.visuals.error_fg_color =
-            if dark { egui::Color32::from_rgb(255, 123, 114) } else { egui::Color32::from_rgb(176, 16, 16) };
+        // Those of egui have a contrast of 3 to 4; these have more than 6, on either ground.
+        let of = egui::Color32::from_rgb;
+        let (error, warning) = if style.visuals.dark_mode {
+            (of(255, 123, 114), of(240, 170, 60))
+        } else {
+            (of(176, 16, 16), of(138, 72, 0))
+        };
+        (style.visuals.error_fg_color, style.visuals.warn_fg_color) = (error, warning);
         // Legends and colour bars: small, and still read with ease.
         if let Some(small) = style.text_styles.get_mut(&egui::TextStyle::Small) {
             small.size = 11.0;

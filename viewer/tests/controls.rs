@@ -10,6 +10,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use pairwave::report::{Panel, ToneMap};
 use pairwave_viewer::app::Viewer;
+use pairwave_viewer::view::View;
 
 fn window(line: &str) -> Window {
     let mut window = Harness::builder()
@@ -261,4 +262,28 @@ fn a_set_that_is_added_while_paused_says_so() {
     click(&mut window, "Go on (Space)");
     settle(&mut window);
     assert!(window.query_by_label_contains("paused").is_none());
+}
+
+#[test]
+fn warnings_of_the_analysis_are_there_to_read() {
+    let mut window = window("--sampler grid -n 64 -k 2");
+    let warnings = window.state().snapshots().next().flatten().unwrap().analysis.clone().unwrap().warnings.clone();
+    assert!(warnings.iter().any(|w| w.contains("no realization has a pair in")), "{warnings:?}");
+    let many =
+        if warnings.len() == 1 { "⚠ 1 warning".to_string() } else { format!("⚠ {} warnings", warnings.len()) };
+    click(&mut window, &many);
+    for warning in &warnings {
+        window.get_by_label(warning);
+    }
+}
+
+#[test]
+fn the_line_at_the_bottom_names_what_computed() {
+    let mut window = window("--sampler random -n 16 -k 2");
+    let device = |window: &Window| window.state().snapshots().next().flatten().unwrap().device.clone();
+    assert!(device(&window).starts_with("cpu"), "{}", device(&window));
+    let points = View { panels: vec![Panel::Points], ..window.state().view().clone() };
+    window.state_mut().set_view(points);
+    settle(&mut window);
+    assert!(device(&window).starts_with("cpu"), "{}", device(&window));
 }
