@@ -240,6 +240,10 @@ fn pictures_are_given_back() {
 
 #[test]
 fn what_was_asked_for_is_not_replaced_by_what_would_be_right() {
+    let largest = "--sampler random -n 4 --seed 18446744073709551615";
+    let seed = window(largest);
+    assert_eq!(command(&seed), format!("pairwave analyze {largest}"));
+    assert_eq!(seed.get_by_role_and_label(Role::SpinButton, "seed").value().as_deref(), Some("18446744073709551615"));
     for (line, says) in [
         ("--sampler random -n 0 -k 2", "-n 0: expected 1 to"),
         ("--sampler random -n 99999999999999 -k 2", "-n 99999999999999: expected 1 to"),

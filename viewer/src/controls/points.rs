@@ -58,7 +58,11 @@ fn number(
     row(ui, name, help, |ui, label| {
         // A drag of a hundred points doubles it, about.
         let speed = (*value as f64 * 0.01).max(0.05);
+        // A drag works on f64, which has no room for every number.
+        let exact = *value;
+        let text = move |x: f64, _| if x == exact as f64 { exact.to_string() } else { format!("{x}") };
         let drag = egui::DragValue::new(value).range(range).clamp_existing_to_range(false).speed(speed);
+        let drag = drag.custom_formatter(text);
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
         ui.add_sized(size, drag).labelled_by(label).on_hover_text(help).changed()
     })
