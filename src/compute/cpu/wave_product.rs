@@ -10,8 +10,8 @@
 //! Row 0 and column 0, where the cosine is 1, are plain sums over the other table, so products fill whole vectors at
 //! F = 64, 128, 256. Weights multiply the table of the rows.
 //!
-//! Points go in panels, far apart in the input: a panel's product is taken in f32 or f64, and added to f64 sums. So each
-//! sum is made by the same additions in the same order, however the grid is cut into tiles for threads.
+//! Points go in panels, far apart in the input: a panel's product is taken in f32 or f64, and added to f64 sums, in f32 a
+//! few at once. So each sum is made by the same additions in the same order, however the grid is cut into tiles for threads.
 
 use super::Cpu;
 use super::phase_tables::{GROUP, Panel, Table, place};
@@ -26,8 +26,11 @@ use crate::plan::WaveGrid;
 /// to add up panels. `product` must take as many at once.
 const PANEL: usize = 160;
 
-/// Lines of a block: its sums over a panel stay in the cache until they are added to the others, and `gemm` does not
-/// copy the table of columns for so few. Whole groups of a table.
+/// Panels that are added up in f32: that has one rounding per panel more, which is little beside those of its points, and
+/// reads and writes the f64 sums as many times less.
+const PANELS_PER_SUM: usize = 4;
+
+/// Lines of a block: `gemm` does not copy the table of columns for so few. Whole groups of a table.
 const LINES: usize = 48;
 
 /// Lines from which a tile is one block: then that copy pays.
@@ -229,12 +232,15 @@ struct Block {
     offset: usize,
 }
 
-/// The tables of a panel, its sums in a block of rows, and the sums of a tile; reused from tile to tile.
+/// The tables of a panel, and sums of a tile; reused from tile to tile.
 pub(super) struct Scratch<T> {
     left: Vec<T>,
     right: Vec<T>,
-    panel: Vec<T>,
-    /// Of the product, block by block.
+    /// Of row 0 or column 0, over a panel.
+    line: Vec<T>,
+    /// Of the product, over a few panels, block by block.
+    panels: Vec<T>,
+    /// Of the product, over all.
     sums: Vec<f64>,
     /// Of row 0 over the columns, and of column 0 over the rows.
     row: Vec<f64>,
@@ -243,8 +249,8 @@ pub(super) struct Scratch<T> {
 
 impl<T> Default for Scratch<T> {
     fn default() -> Self {
-        let [left, right, panel] = [(); 3].map(|()| Vec::new());
-        Self { left, right, panel, sums: Vec::new(), row: Vec::new(), column: Vec::new() }
+        let [left, right, line, panels] = [(); 4].map(|()| Vec::new());
+        Self { left, right, line, panels, sums: Vec::new(), row: Vec::new(), column: Vec::new() }
     }
 }
 
@@ -289,10 +295,10 @@ impl<T: Real> Scratch<T> {
             T::fill(level, &tile.left, &panel, left, left_stride);
             T::fill(level, &tile.right, &panel, right, right_stride);
             if tile.first_row == 0 {
-                T::add_sums(level, right, right_stride, weights, &mut self.panel, &mut self.row);
+                T::add_sums(level, right, right_stride, weights, &mut self.line, &mut self.row);
             }
             if tile.first_column == 0 {
-                T::add_sums(level, left, left_stride, weights, &mut self.panel, &mut self.column);
+                T::add_sums(level, left, left_stride, weights, &mut self.line, &mut self.column);
             }
             if points.weights.is_some() {
                 for (line, &weight) in left.chunks_exact_mut(left_stride).zip(weights) {
@@ -303,11 +309,15 @@ impl<T: Real> Scratch<T> {
                 left[count * left_stride..FEWEST_POINTS * left_stride].fill(T::default());
             }
             let count = count.max(FEWEST_POINTS);
+            let sums = T::sums_of_panels(&mut self.panels, &mut self.sums);
             for block in &tile.blocks {
                 let left = Operand { values: &left[2 * block.first..], stride: left_stride, width: block.lines };
                 let right = Operand { values: right, stride: right_stride, width: block.width };
-                let sums = &mut self.sums[block.offset..][..block.lines * block.width];
-                T::add_product(level, left, right, count, &mut self.panel, sums);
+                let sums = &mut sums[block.offset..][..block.lines * block.width];
+                product(left, right, count, sums, start % T::PANELS > 0);
+            }
+            if (start + 1) % T::PANELS == 0 || start + 1 == panels {
+                T::join_panels(level, &mut self.sums, &self.panels);
             }
         }
         Ok(())
@@ -409,15 +419,14 @@ pub(super) trait Real: Element + Default + Send + Sync + std::ops::Mul<Output = 
         Self::join(level, sums, scratch);
     }
 
-    /// Adds the product to `sums`; `scratch` is there to be reused.
-    fn add_product(
-        level: SimdLevel,
-        left: Operand<'_, Self>,
-        right: Operand<'_, Self>,
-        points: usize,
-        scratch: &mut Vec<Self>,
-        sums: &mut [f64],
-    );
+    /// Panels that are added up in this precision.
+    const PANELS: usize;
+
+    /// Where they are added up; `sums` are those over all points.
+    fn sums_of_panels<'a>(panels: &'a mut Vec<Self>, sums: &'a mut [f64]) -> &'a mut [Self];
+
+    /// Adds them to `sums`, if they are not there.
+    fn join_panels(level: SimdLevel, sums: &mut [f64], panels: &[Self]);
 }
 
 /// The first `len` values of a buffer that grows to hold them.
@@ -443,17 +452,14 @@ impl Real for f32 {
         simd::add(level, to, from);
     }
 
-    fn add_product(
-        level: SimdLevel,
-        left: Operand<'_, Self>,
-        right: Operand<'_, Self>,
-        points: usize,
-        scratch: &mut Vec<Self>,
-        sums: &mut [f64],
-    ) {
-        let scratch = first(scratch, sums.len());
-        product(left, right, points, scratch, false);
-        Self::join(level, sums, scratch);
+    const PANELS: usize = PANELS_PER_SUM;
+
+    fn sums_of_panels<'a>(panels: &'a mut Vec<Self>, sums: &'a mut [f64]) -> &'a mut [Self] {
+        first(panels, sums.len())
+    }
+
+    fn join_panels(level: SimdLevel, sums: &mut [f64], panels: &[Self]) {
+        Self::join(level, sums, panels);
     }
 }
 
@@ -476,14 +482,11 @@ impl Real for f64 {
         }
     }
 
-    fn add_product(
-        _: SimdLevel,
-        left: Operand<'_, Self>,
-        right: Operand<'_, Self>,
-        points: usize,
-        _: &mut Vec<Self>,
-        sums: &mut [f64],
-    ) {
-        product(left, right, points, sums, true);
+    const PANELS: usize = usize::MAX;
+
+    fn sums_of_panels<'a>(_: &'a mut Vec<Self>, sums: &'a mut [f64]) -> &'a mut [Self] {
+        sums
     }
+
+    fn join_panels(_: SimdLevel, _: &mut [f64], _: &[Self]) {}
 }
