@@ -97,6 +97,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
         (Accuracy::Fast, 1024, 16, 64),
         (Accuracy::Fast, 65_536, 1, 64),
         (Accuracy::Fast, 16_384, 1, 256),
+        (Accuracy::Fast, 4096, 1, 512),
         (Accuracy::Fast, 65_536, 1, 256),
         (Accuracy::Fast, 4096, 1000, 64),
         (Accuracy::Fast, 4096, 1, 127),
