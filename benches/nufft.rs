@@ -7,9 +7,9 @@
 
 mod common;
 
-use pairwave::compute::Control;
 use pairwave::compute::cpu::SimdLevel;
 use pairwave::compute::cpu::nufft::{Nufft, Points, Scratch};
+use pairwave::control::Control;
 use pairwave::plan::WaveGrid;
 
 use common::{Clock, uniform};

@@ -3,8 +3,9 @@
 
 mod common;
 
+use pairwave::compute::Compute;
 use pairwave::compute::cpu::Cpu;
-use pairwave::compute::{Compute, Control};
+use pairwave::control::Control;
 use pairwave::plan::{Correction, PairPlan, RadialBins, SearchCosts};
 
 use common::{Clock, uniform};

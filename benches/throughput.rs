@@ -6,9 +6,10 @@
 mod common;
 mod naive_spectrum;
 
+use pairwave::compute::Compute;
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
 use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
-use pairwave::compute::{Compute, Control};
+use pairwave::control::Control;
 use pairwave::plan::{Accuracy, Correction, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan, WaveRoad};
 
 use common::{Clock, uniform};

@@ -4,8 +4,9 @@
 
 mod common;
 
+use pairwave::compute::Compute;
 use pairwave::compute::cpu::Cpu;
-use pairwave::compute::{Compute, Control};
+use pairwave::control::Control;
 use pairwave::plan::{Accuracy, WaveGrid, WavePlan};
 
 use common::{Clock, uniform};

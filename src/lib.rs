@@ -15,7 +15,8 @@
 //! ordered; bins are half-open; lengths are in the domain's own unit.
 //!
 //! ```
-//! use pairwave::compute::{Compute, Control, cpu::Cpu};
+//! use pairwave::compute::{Compute, cpu::Cpu};
+//! use pairwave::control::Control;
 //! use pairwave::estimate::{Normalization, PairCorrelation};
 //! use pairwave::plan::{Correction, EnsembleShape, PairPlan, RadialBins};
 //! use pairwave::points::Domain;
@@ -40,6 +41,7 @@
 pub mod accumulate;
 pub mod analysis;
 pub mod compute;
+pub mod control;
 mod error;
 pub mod estimate;
 pub mod plan;

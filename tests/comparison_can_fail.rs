@@ -3,8 +3,10 @@
 mod common;
 
 use common::*;
+use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{CovarianceSums, PairCounts, WaveCovariance};
-use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
+use pairwave::compute::{Compute, reference::Reference};
+use pairwave::control::Control;
 use pairwave::plan::{Accuracy, Correction, CovariancePlan, GPU_WEIGHT_BOUND, PairPlan, PairSettings, RadialBins};
 use pairwave::points::Domain;
 

@@ -4,7 +4,8 @@ mod common;
 
 use assert_cmd::Command;
 use common::{Rng, ensemble, lattice, raw, wave_plan};
-use pairwave::compute::{Compute, Control, reference::Reference};
+use pairwave::compute::{Compute, reference::Reference};
+use pairwave::control::Control;
 use pairwave::estimate::{PowerSpectrum, PsaStatistics, RadialSpectrum};
 use pairwave::plan::{Accuracy, Convention, WavePlan};
 use pairwave::points::{Ensemble, RawPoints};

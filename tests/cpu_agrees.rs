@@ -7,9 +7,11 @@ mod common;
 
 use common::*;
 use pairwave::Error;
-use pairwave::accumulate::{LEAF, WavePower};
+use pairwave::accumulate::WavePower;
+use pairwave::compute::Compute;
 use pairwave::compute::cpu::{Cpu, SimdLevel};
-use pairwave::compute::{Compute, Control};
+use pairwave::control::Control;
+use pairwave::plan::LEAF;
 use pairwave::plan::{
     Accuracy, Correction, CovariancePlan, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts, WaveList,
     WavePlan, WaveVectors,

@@ -3,8 +3,10 @@
 mod common;
 
 use common::*;
+use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{CrossCounts, LagCounts, PairCounts, PairHistogram, WavePower};
-use pairwave::compute::{Backend, Compute, ComputedBy, Control, binned_kernel_sums, cpu::Cpu, reference::Reference};
+use pairwave::compute::{Compute, binned_kernel_sums, cpu::Cpu, reference::Reference};
+use pairwave::control::Control;
 use pairwave::estimate::{
     AmplitudeCovariance, CrossCorrelation, CrossValidation, Curve, Envelope, ErrorSource, KFunction, KernelEstimate,
     Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, VectorCorrelation,

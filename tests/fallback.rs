@@ -6,9 +6,11 @@ mod common;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::*;
+use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
 use pairwave::analysis::{self, Analysis, Plan};
-use pairwave::compute::{Backend, Compute, ComputedBy, Control, cpu::Cpu, reference::Reference};
+use pairwave::compute::{Compute, cpu::Cpu, reference::Reference};
+use pairwave::control::Control;
 use pairwave::plan::{LagPlan, PairPlan, WavePlan};
 use pairwave::points::Ensemble;
 use pairwave::request::Request;

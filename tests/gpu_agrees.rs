@@ -11,7 +11,8 @@ use common::*;
 use pairwave::Error;
 use pairwave::accumulate::WavePower;
 use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
-use pairwave::compute::{Compute, Control, cpu::Cpu};
+use pairwave::compute::{Compute, cpu::Cpu};
+use pairwave::control::Control;
 use pairwave::plan::{
     Accuracy, CellGrid, Correction, EnsembleShape, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts,
     WaveGrid, WaveList, WavePlan,

@@ -4,9 +4,11 @@
 mod common;
 
 use common::*;
-use pairwave::accumulate::{LEAF, LagCounts, PairCounts, WavePower};
-use pairwave::compute::{Compute, Control, cpu::Cpu, reference::Reference};
+use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
+use pairwave::compute::{Compute, cpu::Cpu, reference::Reference};
+use pairwave::control::Control;
 use pairwave::estimate::PowerSpectrum;
+use pairwave::plan::LEAF;
 use pairwave::plan::{Accuracy, Correction, LagPlan, PairPlan, RadialBins, WavePlan};
 use pairwave::points::{Ensemble, RawPoints};
 

@@ -7,8 +7,8 @@ mod common;
 
 use common::*;
 use pairwave::accumulate::NeighborSums;
-use pairwave::compute::Control;
 use pairwave::compute::neighbors::neighbor_sums;
+use pairwave::control::Control;
 use pairwave::estimate::{ErrorSource, Neighbors};
 use pairwave::plan::{NeighborPlan, RadialBins};
 use pairwave::points::read::{ReadOptions, read_all};

@@ -1,9 +1,9 @@
 //! The nonuniform FFT against the definition: exact phases, sines and cosines in f64, term by term.
 
-use pairwave::compute::Control;
 use pairwave::compute::cpu::SimdLevel;
 use pairwave::compute::cpu::nufft::{Nufft, Points, Scratch};
 use pairwave::compute::reference::phase_turns;
+use pairwave::control::Control;
 use pairwave::plan::{Accuracy, WaveGrid};
 use rustfft::num_complex::Complex;
 

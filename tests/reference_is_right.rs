@@ -4,9 +4,10 @@
 mod common;
 
 use common::*;
-use pairwave::compute::reference::{isotropic_weight, weighted_pair};
+use pairwave::compute::reference::isotropic_weight;
 use pairwave::estimate::{KFunction, Normalization, PairCorrelation, PowerSpectrum, VectorCorrelation};
 use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, WaveGrid};
+use pairwave::points::geometry::weighted_pair;
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {

@@ -13,10 +13,12 @@ use std::path::{Path, PathBuf};
 
 use common::*;
 use pairwave::Error;
+use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{CrossCounts, PairCounts};
 use pairwave::analysis::{Analysis, ClosedForm, Envelopes};
 use pairwave::compute::neighbors::neighbor_sums;
-use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
+use pairwave::compute::{Compute, reference::Reference};
+use pairwave::control::Control;
 use pairwave::estimate::{
     CrossCorrelation, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, Neighbors, Normalization,
     PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,

@@ -4,7 +4,7 @@
 //! claim, depend on nothing but their identity, and refuse what they cannot do. The sums below are written out here, on
 //! f64, and share nothing with the library's. Cannot see: faults that leave first and second moments unchanged.
 
-use pairwave::compute::Control;
+use pairwave::control::Control;
 use pairwave::samplers::{ParameterValues, Realization, Sampler, ensemble, find, registry};
 
 fn values(name: &str, given: &[&str]) -> ParameterValues {

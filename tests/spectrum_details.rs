@@ -7,7 +7,9 @@ use std::f64::consts::PI;
 
 use common::*;
 use pairwave::accumulate::WavePower;
-use pairwave::compute::{Backend, Compute, ComputedBy, Control, cpu::Cpu};
+use pairwave::accumulate::{Backend, ComputedBy};
+use pairwave::compute::{Compute, cpu::Cpu};
+use pairwave::control::Control;
 use pairwave::estimate::{
     BandLaw, BlueNoise, LagConsistency, Normalization, PairCorrelation, PowerSpectrum, PsaStatistics, RadialSpectrum,
     SpectrumDetails, VectorCorrelation,

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use clap::Parser;
 use pairwave::analysis::{self, Analysis, Plan, Running};
-use pairwave::compute::Control;
 use pairwave::compute::cpu::Cpu;
+use pairwave::control::Control;
 use pairwave::report;
 use pairwave::request::Request;
 use pairwave::source::Source;

@@ -12,7 +12,8 @@ use std::path::Path;
 
 use common::*;
 use pairwave::analysis::{self, Analysis, Plan};
-use pairwave::compute::{Control, cpu::Cpu};
+use pairwave::compute::cpu::Cpu;
+use pairwave::control::Control;
 use pairwave::points::{Domain, Ensemble};
 use pairwave::report::{self, Axis, AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap, overlays};
 use pairwave::request::Request;

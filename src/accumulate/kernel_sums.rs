@@ -1,8 +1,9 @@
 //! Raw sums of a kernel estimate: over realizations, of the kernel sums and what their error needs, per r.
 
-use super::ordered_sum::{LEAF, NOT_NEXT, OrderedSum};
-use crate::compute::ComputedBy;
+use super::ordered_sum::{NOT_NEXT, OrderedSum};
+use crate::accumulate::ComputedBy;
 use crate::error::{Error, Result};
+use crate::plan::LEAF;
 
 /// The kernel sums of one realization, one value per r.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! Raw sums of `lag_counts`: integers only, so any order of additions gives the same sums.
 
 use super::pair_counts::{PairHistogram, Ratios, Steps};
-use crate::compute::ComputedBy;
+use crate::accumulate::ComputedBy;
 use crate::error::{Error, Result};
 use crate::plan::LagPlan;
 

@@ -1,5 +1,6 @@
 //! 4. Mergeable raw sums. No divisions here.
 
+mod computed_by;
 mod kernel_sums;
 mod lag_counts;
 mod neighbor_sums;
@@ -8,12 +9,13 @@ mod pair_counts;
 mod wave_covariance;
 mod wave_power;
 
+pub use computed_by::{Backend, ComputedBy};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
 pub use neighbor_sums::{
     Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, RealizationNeighbors,
 };
-pub use ordered_sum::{LEAF, OrderedSum};
+pub use ordered_sum::OrderedSum;
 pub use pair_counts::{BorderHistogram, CrossCounts, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
 pub use wave_covariance::{CovarianceSums, WaveCovariance};
 pub use wave_power::{PowerMoments, WavePower};

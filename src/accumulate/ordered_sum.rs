@@ -7,9 +7,6 @@
 
 use std::collections::BTreeMap;
 
-/// Realizations per leaf. Shards cut at multiples of this merge to the bytes of the whole run.
-pub const LEAF: u64 = 16;
-
 /// Why an `append` was refused.
 pub(super) const NOT_NEXT: &str = "only a realization of the same leaf can be appended";
 

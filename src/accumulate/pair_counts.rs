@@ -1,6 +1,6 @@
 //! Raw sums of `pair_counts`: integers only, so any order of additions gives the same sums.
 
-use crate::compute::ComputedBy;
+use crate::accumulate::ComputedBy;
 use crate::error::{Error, Result};
 use crate::plan::PairPlan;
 

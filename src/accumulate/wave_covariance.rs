@@ -1,7 +1,7 @@
 //! Raw sums of `wave_covariance`: over realizations, of products of amplitudes and what their errors need.
 
 use super::ordered_sum::OrderedSum;
-use crate::compute::ComputedBy;
+use crate::accumulate::ComputedBy;
 use crate::error::{Error, Result};
 
 /// Sums over realizations of products of amplitudes of H wave vectors. An amplitude has two components: component `a < H`

@@ -1,9 +1,9 @@
 //! Raw sums of `wave_power`: over realizations, of `q = |s_m|^2` and what its error needs, per stored mode, ring and sector.
 
-use super::ordered_sum::{LEAF, NOT_NEXT, OrderedSum};
-use crate::compute::ComputedBy;
+use super::ordered_sum::{NOT_NEXT, OrderedSum};
+use crate::accumulate::ComputedBy;
 use crate::error::{Error, Result};
-use crate::plan::Rings;
+use crate::plan::{LEAF, Rings};
 
 /// Sums over realizations of `q = |s_m|^2` per stored mode (see `WaveVectors`), and of its sums over rings, over sectors and
 /// over the upper half of the rings, with the second moments that their errors need. Each is compared with the norm

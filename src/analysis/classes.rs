@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::accumulate::{CrossCounts, PairCounts};
-use crate::compute::{Control, WithFallback};
+use crate::compute::WithFallback;
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::PairPlan;
 use crate::points::Ensemble;

@@ -2,9 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::Estimates;
 use super::measure::{Input, Measured, measure};
-use super::{Clock, Estimates, Progress};
-use crate::compute::{Control, WithFallback};
+use crate::compute::WithFallback;
+use crate::control::Control;
+use crate::control::{Clock, Progress};
 use crate::error::Result;
 use crate::estimate::{Curve, Envelope, Normalization};
 use crate::points::{Domain, Ensemble, RawPoints};

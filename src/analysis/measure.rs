@@ -3,10 +3,12 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use super::Plan;
 use super::sums::{Sums, merge};
-use super::{Clock, Plan};
 use crate::accumulate::PairCounts;
-use crate::compute::{Control, WithFallback};
+use crate::compute::WithFallback;
+use crate::control::Clock;
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::estimate::{CrossValidation, Normalization};
 use crate::plan::{BandwidthSearch, EnsembleShape};

@@ -9,8 +9,6 @@ mod plan;
 mod running;
 mod sums;
 
-use std::time::Instant;
-
 pub use envelope::Envelopes;
 use envelope::envelopes;
 use measure::{Input, Measured, measure};
@@ -18,8 +16,11 @@ pub use plan::Plan;
 use plan::{check_convention, check_points};
 pub use running::{Running, Status, TrackStatus};
 
+use crate::accumulate::ComputedBy;
 use crate::accumulate::LagCounts;
-use crate::compute::{Compute, ComputedBy, Control, WithFallback};
+use crate::compute::{Compute, WithFallback};
+use crate::control::Control;
+use crate::control::{Clock, Instant, Progress};
 use crate::error::Result;
 use crate::estimate::{
     AmplitudeCovariance, CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation,
@@ -102,17 +103,6 @@ pub struct ClosedForm {
     pub g: Option<Vec<f64>>,
     /// Mean of P over each ring.
     pub radial: Option<Vec<f64>>,
-}
-
-/// How far a run is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// What is being done.
-    pub stage: &'static str,
-    /// Realizations finished.
-    pub done: u64,
-    /// Of how many.
-    pub total: u64,
 }
 
 /// The estimates that envelopes are made of.
@@ -368,26 +358,4 @@ fn closed_form(source: &Source, plan: &Plan, normalization: Normalization, g: Op
         Some(sums.iter().zip(&plan.rings.modes).map(|(sum, &modes)| sum / modes as f64).collect())
     });
     ClosedForm { name: process.sampler.name().to_string(), g, radial }
-}
-
-/// Wall time per stage.
-#[derive(Debug, Clone, Default)]
-struct Clock {
-    stages: Vec<(&'static str, f64)>,
-}
-
-impl Clock {
-    fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let result = work();
-        self.add(stage, start.elapsed().as_secs_f64());
-        result
-    }
-
-    fn add(&mut self, stage: &'static str, seconds: f64) {
-        match self.stages.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += seconds,
-            None => self.stages.push((stage, seconds)),
-        }
-    }
 }

@@ -14,7 +14,7 @@ use crate::plan::{
     WaveGrid, WaveList, WavePlan, WaveVectors,
 };
 use crate::points::Domain;
-use crate::points::read::{read_edges, read_frequencies};
+use crate::request::lists::{read_edges, read_frequencies};
 use crate::request::{Request, Statistic};
 use crate::source::Source;
 

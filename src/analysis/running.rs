@@ -2,14 +2,16 @@
 
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::measure::Measured;
 use super::sums::Sums;
-use super::{Analysis, Clock, Estimates, Found, Plan, analysis, check_convention, check_points};
-use crate::accumulate::{LEAF, PairCounts, PairHistogram};
-use crate::compute::{Compute, Control, WithFallback};
+use super::{Analysis, Estimates, Found, Plan, analysis, check_convention, check_points};
+use crate::accumulate::{PairCounts, PairHistogram};
+use crate::compute::{Compute, WithFallback};
+use crate::control::Control;
+use crate::control::{Clock, Instant};
 use crate::error::{Error, Result};
+use crate::plan::LEAF;
 use crate::plan::{Batch, EnsembleShape, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::request::{PointsRequest, Request};

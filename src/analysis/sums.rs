@@ -1,9 +1,12 @@
 //! The raw sums of everything a plan asks for.
 
-use super::{Clock, Plan};
+use super::Plan;
+use crate::accumulate::ComputedBy;
 use crate::accumulate::{CrossCounts, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
+use crate::compute::WithFallback;
 use crate::compute::neighbors::neighbor_sums;
-use crate::compute::{ComputedBy, Control, WithFallback};
+use crate::control::Clock;
+use crate::control::Control;
 use crate::error::Result;
 use crate::points::Ensemble;
 
@@ -127,7 +130,7 @@ impl Sums {
             self.covariance.as_ref().map(|s| &s.computed_by),
         ];
         let all = tags.into_iter().flatten().cloned().reduce(|a, b| a.merge(&b));
-        all.unwrap_or_else(|| ComputedBy::new(crate::compute::Backend::Cpu, "cpu (k-d tree)"))
+        all.unwrap_or_else(|| ComputedBy::new(crate::accumulate::Backend::Cpu, "cpu (k-d tree)"))
     }
 }
 

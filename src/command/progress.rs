@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use pairwave::analysis::Progress;
-use pairwave::compute::Control;
+use pairwave::control::Control;
+use pairwave::control::Progress;
 use pairwave::{Error, Result};
 
 /// Set while results are moved into place: that is soon over, and cutting it short would leave a stage behind.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pairwave::Result;
 use pairwave::points::write::write;
-use pairwave::source::Process;
+use pairwave::samplers::Process;
 
 use super::print;
 use super::progress::stop_on_interrupt;

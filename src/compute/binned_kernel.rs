@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::{Backend, Compute, Control};
+use super::Compute;
+use crate::accumulate::Backend;
 use crate::accumulate::{KernelCurve, KernelSums, PairCounts};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{GPU_WEIGHT_BOUND, KernelPlan};
 use crate::points::Ensemble;

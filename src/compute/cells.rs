@@ -140,8 +140,8 @@ impl SortedPoints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compute::reference::squared_distance;
     use crate::plan::{Correction, EnsembleShape, RadialBins, SearchCosts};
+    use crate::points::geometry::squared_distance;
     use crate::points::{Domain, Ensemble, RawPoints};
 
     /// Every pair is met at most once, and every pair closer than the last edge exactly once.

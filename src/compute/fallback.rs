@@ -1,7 +1,8 @@
 //! A device with the CPU path behind it.
 
-use super::{Compute, Control, binned_kernel, cpu::Cpu};
+use super::{Compute, binned_kernel, cpu::Cpu};
 use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;

@@ -5,90 +5,23 @@
 
 mod binned_kernel;
 pub(crate) mod cells;
+mod compensated;
 pub mod cpu;
-mod device_choice;
 mod fallback;
 pub mod gpu;
 pub mod neighbors;
+mod open;
 pub mod reference;
 
 pub use binned_kernel::kernel_sums as binned_kernel_sums;
-pub use device_choice::{DeviceChoice, Opened};
 pub(crate) use fallback::WithFallback;
+pub use open::{Opened, open};
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
-use crate::error::{Error, Result};
+use crate::accumulate::{ComputedBy, KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::control::Control;
+use crate::error::Result;
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
 use crate::points::Ensemble;
-
-/// Which of the three ways.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Backend {
-    /// The slow truth.
-    Reference,
-    /// Native threads and SIMD.
-    Cpu,
-    /// wgpu.
-    Gpu,
-}
-
-/// The tag every raw sum carries: who computed it.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct ComputedBy {
-    /// The ways that took part (more than one after a fallback or a merge).
-    pub backends: Vec<Backend>,
-    /// Device and driver of each, in words.
-    pub devices: Vec<String>,
-}
-
-impl ComputedBy {
-    /// One backend on one device.
-    pub fn new(backend: Backend, device: impl Into<String>) -> Self {
-        Self { backends: vec![backend], devices: vec![device.into()] }
-    }
-
-    /// Both, each named once.
-    pub fn merge(&self, other: &Self) -> Self {
-        let mut merged = self.clone();
-        for b in &other.backends {
-            if !merged.backends.contains(b) {
-                merged.backends.push(*b);
-            }
-        }
-        for d in &other.devices {
-            if !merged.devices.contains(d) {
-                merged.devices.push(d.clone());
-            }
-        }
-        merged
-    }
-
-    /// All devices in one line.
-    pub fn device(&self) -> String {
-        self.devices.join("; ")
-    }
-}
-
-/// How a caller watches and stops long work. Shared between threads.
-#[derive(Debug, Default)]
-pub struct Control {
-    cancelled: AtomicBool,
-}
-
-impl Control {
-    /// Asks the work to stop at the next chance.
-    pub fn cancel(&self) {
-        self.cancelled.store(true, Ordering::Relaxed);
-    }
-
-    /// `Err(Cancelled)` once `cancel` was called.
-    pub fn check(&self) -> Result<()> {
-        if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
-    }
-}
 
 /// The least number from `least` on that shares no divisor with `n` (or `n` itself, where that is 0 or there is none below).
 pub(crate) fn coprime_from(least: usize, n: usize) -> usize {

@@ -80,6 +80,19 @@ impl LagGrid {
         cell / self.strides()[axis] % self.bins
     }
 
+    /// The cell of a lag, `None` outside the grid. A pair counts there and in the mirror cell.
+    pub fn cell(&self, lag: [i128; 3]) -> Option<usize> {
+        let mut cell = 0;
+        for (h, thresholds) in lag.iter().zip(&self.thresholds) {
+            let edges_below = thresholds.partition_point(|t| t <= h);
+            if !(1..=self.bins).contains(&edges_below) {
+                return None;
+            }
+            cell = cell * self.bins + edges_below - 1;
+        }
+        Some(cell)
+    }
+
     /// The cell at `-h`: since the edges are symmetric, the one at the other end of the list.
     pub fn mirror(&self, cell: usize) -> usize {
         self.cells() - 1 - cell

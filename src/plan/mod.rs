@@ -61,6 +61,9 @@ pub struct EnsembleShape {
     pub max_points: u64,
 }
 
+/// Realizations per leaf. Shards cut at multiples of this merge to the bytes of the whole run.
+pub const LEAF: u64 = 16;
+
 /// Bytes a batch of realizations may take on any path: 1 GiB. A batch is never less than one leaf of the ordered sum.
 pub const MEMORY_BUDGET: u64 = 1 << 30;
 
@@ -91,7 +94,7 @@ impl Batch {
     /// Whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most 4096 realizations, so
     /// that progress and cancellation stay lively.
     fn new(realizations: u64, bytes_each: u64) -> Self {
-        let leaf = crate::accumulate::LEAF;
+        let leaf = LEAF;
         let fitting = (MEMORY_BUDGET / bytes_each.max(1)).min(4096) / leaf * leaf;
         let realizations = fitting.max(leaf).min(realizations.max(1));
         Self { realizations, bytes_each }

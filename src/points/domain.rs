@@ -130,7 +130,7 @@ impl Domain {
     pub fn side_steps(&self) -> [u64; 3] {
         let mut steps = [0; 3];
         for (step, side) in steps.iter_mut().zip(&self.sides) {
-            *step = super::fixed_point(side / self.length_unit());
+            *step = super::fixed_point::fixed_point(side / self.length_unit());
         }
         steps
     }
@@ -148,7 +148,7 @@ impl Domain {
             extents[k] = match (self.boundary, self.periods()[k]) {
                 (Boundary::Torus, 0) => 1 << 64,
                 (Boundary::Torus, period) => u128::from(period),
-                (Boundary::Window, _) => u128::from(super::fixed_point(side / self.length_unit())) + 1,
+                (Boundary::Window, _) => u128::from(super::fixed_point::fixed_point(side / self.length_unit())) + 1,
             };
         }
         extents

@@ -12,8 +12,8 @@ use super::spectrum_image::{SpectrumImage, tone_text};
 use super::spectrum_numbers;
 use super::text::{escape, human, with_error};
 use super::vector_image::VectorImage;
+use crate::accumulate::Backend;
 use crate::analysis::Analysis;
-use crate::compute::Backend;
 use crate::estimate::{ErrorSource, Normalization, VectorCorrelation};
 use crate::plan::{Convention, Correction};
 

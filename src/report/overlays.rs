@@ -1,7 +1,8 @@
 //! What is drawn with the points of the first realization, in the domain's length unit: planes to look at, links to nearest
 //! neighbours, strata, and copies across the sides of a torus.
 
-use crate::compute::{Control, neighbors::nearest_neighbors};
+use crate::compute::neighbors::nearest_neighbors;
+use crate::control::Control;
 use crate::error::Result;
 use crate::points::{Domain, Ensemble};
 

@@ -4,8 +4,8 @@ use serde::{Serialize, Serializer};
 
 use super::spectrum_numbers::{BandsOut, ConsistencyOut, ScalarsOut};
 use super::vector_image;
+use crate::accumulate::Backend;
 use crate::analysis::Analysis;
-use crate::compute::Backend;
 use crate::estimate::{
     BondOrder, CovarianceScalars, CrossValidation, ErrorSource, NeighborDistances, Normalization, PsaStatistics,
 };

@@ -1,6 +1,8 @@
 //! What is asked for: one struct that the command line parses and the viewer edits, and the way back to a command line.
 //! `analysis` turns it into plans.
 
+mod device;
+pub mod lists;
 mod setting;
 
 use std::path::PathBuf;
@@ -8,13 +10,13 @@ use std::path::PathBuf;
 use clap::{Arg, Args, Parser};
 use serde_json::{Map, Value};
 
-use crate::compute::DeviceChoice;
 use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 
+pub use device::DeviceChoice;
 pub use setting::Setting;
 
 /// A statistic of `--stats`.

@@ -11,6 +11,7 @@ mod halton;
 mod jittered;
 mod parameters;
 mod poisson_disk;
+mod process;
 mod random;
 mod stream;
 mod thomas;
@@ -19,11 +20,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::points::{Domain, Ensemble, RawPoints};
 
 pub use parameters::{Accepts, Parameter, ParameterValues};
+pub use process::Process;
 
 /// Every process, in the order of `pairwave samplers`.
 static REGISTRY: [&dyn Sampler; 6] =

@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use pairwave::accumulate::{LagCounts, PairCounts, WaveCovariance, WavePower};
-use pairwave::compute::{Compute, Control, reference::Reference};
+use pairwave::compute::{Compute, reference::Reference};
+use pairwave::control::Control;
 use pairwave::plan::{
     Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, LagGrid, LagPlan, PairPlan, PairSettings, RadialBins,
     WaveGrid, WavePlan,

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use pairwave::analysis::{Analysis, Running, Status};
-use pairwave::compute::{Compute, Control, DeviceChoice};
+use pairwave::compute::Compute;
+use pairwave::control::Control;
+use pairwave::request::DeviceChoice;
 use pairwave::request::Request;
 use pairwave::{Error, Result};
 
@@ -192,7 +194,7 @@ impl Engine {
         if let Some(known) = self.devices.iter().find(|d| d.of == of) {
             return Ok((known.compute.clone(), known.note.clone()));
         }
-        let opened = request.device.open(request.threads)?;
+        let opened = pairwave::compute::open(request.device, request.threads)?;
         let compute: Arc<dyn Compute> = opened.compute.into();
         self.devices.push(Device { of, compute: compute.clone(), note: opened.note.clone() });
         Ok((compute, opened.note))

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use pairwave::compute::Control;
+use pairwave::control::Control;
 use pairwave::request::Request;
 
 use crate::engine::{Engine, SetId, Snapshot};

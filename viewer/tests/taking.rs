@@ -18,7 +18,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use pairwave::analysis::{self, Plan};
-use pairwave::compute::Control;
+use pairwave::control::Control;
 use pairwave::report::{self, Panel};
 use pairwave::request::{Request, Statistic};
 use pairwave::source::Source;
@@ -117,7 +117,7 @@ fn disabled(window: &mut Window, panel: Panel) -> Vec<&'static str> {
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
     let source = Source::open(&request.input).unwrap();
-    let device = request.device.open(request.threads).unwrap().compute;
+    let device = pairwave::compute::open(request.device, request.threads).unwrap().compute;
     let plan = Plan::of(request, &source).unwrap().for_device(device.as_ref());
     let found = analysis::run(request, &source, &plan, device.as_ref(), &Control::default(), &mut |_| ()).unwrap();
     let dir = tempfile::tempdir().unwrap();

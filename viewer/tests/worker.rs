@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use common::request;
 use pairwave::analysis::{self, Analysis, Plan};
-use pairwave::compute::Control;
+use pairwave::control::Control;
 use pairwave::report;
 use pairwave::request::Request;
 use pairwave::source::Source;
@@ -49,7 +49,7 @@ fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
     let source = Source::open(&request.input).unwrap();
-    let device = request.device.open(request.threads).unwrap().compute;
+    let device = pairwave::compute::open(request.device, request.threads).unwrap().compute;
     let plan = Plan::of(request, &source).unwrap().for_device(device.as_ref());
     files(&analysis::run(request, &source, &plan, device.as_ref(), &Control::default(), &mut |_| ()).unwrap())
 }

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use super::Cpu;
 use super::pair_weights::{PairWeights, PointData};
 use crate::accumulate::{KernelCurve, KernelSums, PairHistogram, WEIGHT_STEPS};
-use crate::compute::reference::minimum_image;
-use crate::compute::{Compute, Control};
+use crate::compute::Compute;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Divisor, KernelPlan, SmoothingKernel, sphere_surface};
 use crate::points::Ensemble;
+use crate::points::geometry::minimum_image;
 
 /// At most so many blocks per realization, of at least so many rows.
 const BLOCKS: usize = 1024;

@@ -13,9 +13,11 @@ use super::lag_bins::{self, Places};
 use super::pair_bins::{COLUMNS, LANES};
 use super::simd::SimdLevel;
 use crate::accumulate::{LagCounts, PairHistogram};
-use crate::compute::{Compute, Control, reference};
+use crate::compute::Compute;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LagPlan;
+use crate::points::geometry;
 use crate::points::{Ensemble, round32};
 
 /// Rows per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
@@ -143,7 +145,9 @@ impl Tally {
             let job = Rows { axes: &axes, periods: set.periods, rows: rows.clone(), columns };
             lag_bins::count(level, &job, places, &mut self.short, &mut self.undecided);
             for (i, j) in self.undecided.drain(..) {
-                if let Some(cell) = reference::lag_cell(plan, &set.exact, i as usize, j as usize) {
+                if let Some(cell) =
+                    plan.grid.cell(geometry::canonical_lag(&plan.domain, &set.exact, i as usize, j as usize))
+                {
                     self.counts[cell] += 1;
                 }
             }

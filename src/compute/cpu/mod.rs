@@ -21,8 +21,10 @@ mod wave_terms;
 
 pub use simd::{SimdLevel, fma_gflop};
 
-use super::{Backend, Compute, ComputedBy, Control};
+use super::Compute;
+use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;

@@ -19,10 +19,12 @@ use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, Stream, by_r2};
 use super::pair_weights::{PairWeights, PointData, WeightSums};
 use super::simd::SimdLevel;
 use crate::accumulate::{PairCounts, PairHistogram};
+use crate::compute::Compute;
 use crate::compute::cells::{Neighbourhood, SortedPoints};
-use crate::compute::{Compute, Control, reference};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{BinFilter, BinTable, PairPlan};
+use crate::points::geometry;
 use crate::points::{Ensemble, round32};
 
 /// Points per block: large enough to amortise a block's overhead, small enough that a cancel is quick.
@@ -430,7 +432,7 @@ fn near_bin(beyond: f32, bins: usize, r2: f32) -> (u32, bool) {
 /// The bin of a pair by the definition; nearly always one of those at the edge of the bin `near`.
 fn settle(plan: &PairPlan, set: &Set<'_>, i: usize, j: usize, near: u32) -> Option<usize> {
     let thresholds = &plan.thresholds;
-    let r2 = reference::squared_distance(&set.exact, set.periods, i, j);
+    let r2 = geometry::squared_distance(&set.exact, set.periods, i, j);
     let first = (near as usize).min(thresholds.len() - 1).saturating_sub(1);
     for (k, edges) in thresholds[first..].windows(2).take(3).enumerate() {
         if edges[0] <= r2 && r2 < edges[1] {

@@ -8,6 +8,7 @@ use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::compute::reference;
 use crate::plan::{Correction, PairPlan};
 use crate::points::UNIT_MASS;
+use crate::points::geometry;
 
 /// What the pairs of one realization need to know about its points beside where they are.
 pub(super) struct PointData<'a> {
@@ -21,7 +22,7 @@ impl<'a> PointData<'a> {
     /// Of points at `axes` with weights `masses`.
     pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [u32]>) -> Self {
         let sides = plan.domain.side_steps();
-        let depth = |j| reference::depth(&plan.thresholds, reference::border_distance(axes, sides, j)) as u32;
+        let depth = |j| geometry::depth(&plan.thresholds, geometry::border_distance(axes, sides, j)) as u32;
         let depths = if plan.border() { (0..axes[0].len()).map(depth).collect() } else { Vec::new() };
         let unit = || Cow::Owned(vec![UNIT_MASS; axes[0].len()]);
         let masses = plan.masses.then(|| masses.map_or_else(unit, Cow::Borrowed));
@@ -59,7 +60,7 @@ impl<'a> PairWeights<'a> {
     #[inline(always)]
     pub(super) fn both(&self, i: usize, j: usize) -> u128 {
         let product = |w: u64| match &self.data.masses {
-            Some(masses) => u128::from(reference::weighted_pair([masses[i], masses[j]], w)),
+            Some(masses) => u128::from(geometry::weighted_pair([masses[i], masses[j]], w)),
             None => u128::from(w),
         };
         match self.correction {
@@ -90,7 +91,7 @@ impl<'a> PairWeights<'a> {
         let square = |d: u64| u128::from(d) * u128::from(d);
         let r2: u128 = self.axes.iter().map(|axis| square(axis[i].abs_diff(axis[j]))).sum();
         [i, j].map(|at| {
-            let nearest = reference::border_distance(self.axes, self.side_steps, at);
+            let nearest = geometry::border_distance(self.axes, self.side_steps, at);
             if square(nearest) >= r2 { 1 << 32 } else { self.cut_circle(at, r2) }
         })
     }

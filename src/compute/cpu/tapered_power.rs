@@ -3,8 +3,9 @@
 use super::Cpu;
 use super::wave_power::amplitudes;
 use crate::accumulate::WavePower;
+use crate::compute::Compute;
 use crate::compute::reference::tapered_power::tapered_power as of_one;
-use crate::compute::{Compute, Control};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{TaperPlan, WavePlan};
 use crate::points::Ensemble;

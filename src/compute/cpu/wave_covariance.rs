@@ -10,9 +10,11 @@ use std::sync::{Mutex, PoisonError};
 use super::Cpu;
 use super::product::{FEWEST_POINTS, Operand, product};
 use super::wave_power::amplitudes;
-use crate::accumulate::{CovarianceSums, LEAF, WaveCovariance};
-use crate::compute::{Compute, Control};
+use crate::accumulate::{CovarianceSums, WaveCovariance};
+use crate::compute::Compute;
+use crate::control::Control;
 use crate::error::Result;
+use crate::plan::LEAF;
 use crate::plan::{CovariancePlan, MEMORY_BUDGET, WaveVectors};
 use crate::points::Ensemble;
 

@@ -13,10 +13,12 @@ use super::Cpu;
 use super::nufft::{self, Nufft};
 use super::wave_product::{self, Product};
 use super::wave_terms::Terms;
-use crate::accumulate::{LEAF, WavePower};
-use crate::compute::reference::wave_power::total;
-use crate::compute::{Compute, Control};
+use crate::accumulate::WavePower;
+use crate::compute::Compute;
+use crate::compute::compensated::total;
+use crate::control::Control;
 use crate::error::Result;
+use crate::plan::LEAF;
 use crate::plan::{MEMORY_BUDGET, WavePlan, WaveRoad, WaveVectors};
 use crate::points::Ensemble;
 

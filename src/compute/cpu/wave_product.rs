@@ -18,7 +18,8 @@ use super::phase_tables::{GROUP, Panel, Table, place};
 use super::product::{Element, FEWEST_POINTS, Operand, product};
 use super::simd::{self, SimdLevel};
 use super::wave_power::{Points, Road};
-use crate::compute::{Control, coprime_from};
+use crate::compute::coprime_from;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::WaveGrid;
 

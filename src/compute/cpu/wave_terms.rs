@@ -8,7 +8,7 @@ use super::phase_tables::turn_f64;
 use super::simd;
 use super::wave_power::{Points, Road};
 use super::{Cpu, SimdLevel};
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::WaveList;
 

@@ -24,8 +24,10 @@ pub use device::{AdapterChoice, AdapterSummary, Gpu, adapters};
 pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
 pub use probe::{Check, Verdict};
 
-use super::{Backend, Compute, ComputedBy, Control};
+use super::Compute;
+use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Accuracy, LagPlan, PairPlan, PairSearch, SearchCosts, WaveCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;

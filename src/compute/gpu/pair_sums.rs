@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::pair_specs::Layout;
+use crate::accumulate::ComputedBy;
 use crate::accumulate::{BorderHistogram, PairCounts, PairHistogram};
-use crate::compute::{ComputedBy, reference};
 use crate::plan::{Correction, PairPlan};
 use crate::points::Ensemble;
+use crate::points::geometry;
 
 /// What all dispatches counted, realization by realization.
 pub(super) struct Sums {
@@ -70,6 +71,6 @@ impl Sums {
 /// Per point of a realization, the number of bins whose upper edge is at most its distance from the border.
 pub(super) fn depths(plan: &PairPlan, axes: &[&[u64]]) -> Vec<u32> {
     let sides = plan.domain.side_steps();
-    let depth = |i| reference::depth(&plan.thresholds, reference::border_distance(axes, sides, i)) as u32;
+    let depth = |i| geometry::depth(&plan.thresholds, geometry::border_distance(axes, sides, i)) as u32;
     (0..axes[0].len()).map(depth).collect()
 }

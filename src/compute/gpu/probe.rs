@@ -8,8 +8,9 @@ use super::buffers::Fill;
 use super::kernel::{self, KernelSpec};
 use super::params::{PROBE, ProbeInput, ProbeOutput, ProbeParams};
 use super::wave_power;
+use crate::compute::Compute;
 use crate::compute::reference::Reference;
-use crate::compute::{Compute, Control};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{
     Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan,

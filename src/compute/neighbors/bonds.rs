@@ -21,7 +21,7 @@ use spade::handles::{FixedFaceHandle, InnerTag, VertexHandle};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::accumulate::Bonds;
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::Result;
 use crate::points::Domain;
 

@@ -10,8 +10,8 @@ mod search;
 
 use rayon::prelude::*;
 
-use super::Control;
 use crate::accumulate::{Bonds, Distances, NeighborSums, RealizationNeighbors};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::NeighborPlan;
 use crate::points::{Domain, Ensemble};

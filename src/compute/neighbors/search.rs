@@ -8,11 +8,11 @@ use std::cmp::Ordering;
 use kd_tree::{KdPoint, KdTreeN};
 use rayon::prelude::*;
 
-use crate::compute::Control;
-use crate::compute::reference::minimum_image;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::NeighborPlan;
 use crate::points::Domain;
+use crate::points::geometry::minimum_image;
 
 /// Exact squared distances in squared steps; `u128::MAX` where there is no point.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -146,7 +146,7 @@ where
         Ok(nearest)
     }
 
-    /// As `compute::reference::squared_distance`.
+    /// As `points::geometry::squared_distance`.
     fn square(&self, a: &Site<D>, b: &Site<D>) -> u128 {
         let along = |axis: usize| u128::from(minimum_image(a.steps[axis], b.steps[axis], self.periods[axis]));
         (0..D).map(|axis| along(axis).pow(2)).sum()
@@ -230,9 +230,9 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compute::reference::squared_distance;
     use crate::error::Error;
     use crate::plan::EnsembleShape;
+    use crate::points::geometry::squared_distance;
     use crate::points::{Ensemble, RawPoints};
     use crate::samplers::{ParameterValues, Realization, find};
 

@@ -12,11 +12,11 @@
 //! integers; their root and all that follows is f64.
 
 use super::pair_counts::{mass_sums, pair_weight};
-use super::squared_distance;
 use crate::accumulate::{KernelCurve, PairHistogram, WEIGHT_STEPS};
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Divisor, KernelPlan, sphere_surface};
+use crate::points::geometry::squared_distance;
 
 /// The sums of one realization. `axes[a][j]` is the position of point `j` along axis `a`, `masses[j]` its weight.
 pub(super) fn kernel_sums(

@@ -27,51 +27,10 @@
 //! Coordinates are integers in steps of `length_unit / 2^64`, compared with integer thresholds: no rounding anywhere.
 
 use crate::accumulate::PairHistogram;
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LagPlan;
-
-/// The lag `a - b` along one axis of a torus, in steps, in `[-period / 2, period / 2)`; `period` 0 stands for 2^64.
-fn torus_lag(a: u64, b: u64, period: u64) -> i64 {
-    let forward = if a >= b { a - b } else { a.wrapping_sub(b).wrapping_add(period) };
-    let nearer = if forward >= period.wrapping_sub(forward) { forward.wrapping_sub(period) } else { forward };
-    nearer as i64
-}
-
-/// The lag of points `i` and `j`, chosen of the two by its value.
-pub fn canonical_lag(plan: &LagPlan, axes: &[&[u64]], i: usize, j: usize) -> [i128; 3] {
-    let lag = |i: usize, j: usize| {
-        let mut lag = [0; 3];
-        for ((lag, axis), period) in lag.iter_mut().zip(axes).zip(plan.domain.periods()) {
-            *lag = if plan.domain.is_torus() {
-                i128::from(torus_lag(axis[i], axis[j], period))
-            } else {
-                i128::from(axis[i]) - i128::from(axis[j])
-            };
-        }
-        lag
-    };
-    let (there, back) = (lag(i, j), lag(j, i));
-    // A component that is its own negative is the same in both.
-    match there.iter().zip(&back).find(|(a, b)| a != b) {
-        Some((a, _)) if *a < 0 => back,
-        _ => there,
-    }
-}
-
-/// The cell of the lag of points `i` and `j`, `None` outside the grid. The pair counts there and in the mirror cell.
-pub fn lag_cell(plan: &LagPlan, axes: &[&[u64]], i: usize, j: usize) -> Option<usize> {
-    let lag = canonical_lag(plan, axes, i, j);
-    let mut cell = 0;
-    for (h, thresholds) in lag.iter().zip(&plan.grid.thresholds) {
-        let edges_below = thresholds.partition_point(|t| t <= h);
-        if !(1..=plan.grid.bins).contains(&edges_below) {
-            return None;
-        }
-        cell = cell * plan.grid.bins + edges_below - 1;
-    }
-    Some(cell)
-}
+use crate::points::geometry::canonical_lag;
 
 /// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`.
 pub(super) fn lag_counts(plan: &LagPlan, axes: &[&[u64]], control: &Control) -> Result<PairHistogram> {
@@ -80,7 +39,7 @@ pub(super) fn lag_counts(plan: &LagPlan, axes: &[&[u64]], control: &Control) -> 
     for i in 0..n {
         control.check()?;
         for j in 0..i {
-            if let Some(cell) = lag_cell(plan, axes, i, j) {
+            if let Some(cell) = plan.grid.cell(canonical_lag(&plan.domain, axes, i, j)) {
                 counts[cell] += 1;
                 counts[plan.grid.mirror(cell)] += 1;
             }

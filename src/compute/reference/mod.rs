@@ -5,18 +5,18 @@ mod pair_counts;
 pub(in crate::compute) mod tapered_power;
 mod wave_covariance;
 pub(in crate::compute) mod wave_power;
-use super::{Backend, Compute, ComputedBy, Control};
-use crate::accumulate::{CovarianceSums, KernelSums, LEAF, LagCounts, PairCounts, WaveCovariance, WavePower};
+use super::Compute;
+use crate::accumulate::{Backend, ComputedBy};
+use crate::accumulate::{CovarianceSums, KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::control::Control;
 use crate::error::Result;
+use crate::plan::LEAF;
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
 pub(crate) use pair_counts::MAX_ISOTROPIC;
-pub use pair_counts::{
-    border_distance, depth, isotropic_weight, minimum_image, squared_distance, translation_weight, weighted_pair,
-};
+pub use pair_counts::{isotropic_weight, translation_weight};
 pub use wave_power::phase_turns;
 mod lag_counts;
 use crate::points::Ensemble;
-pub use lag_counts::{canonical_lag, lag_cell};
 
 /// The reference implementation.
 #[derive(Debug, Clone, Copy, Default)]

@@ -26,27 +26,11 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Correction, PairPlan};
+use crate::points::geometry::{border_distance, depth, squared_distance, weighted_pair};
 use crate::points::{Domain, UNIT_MASS};
-
-/// The distance between two positions along one axis, in steps; `period` 0 stands for 2^64. In a window (period 0) no
-/// distance exceeds half of 2^64, so the minimum image is the plain difference.
-pub fn minimum_image(a: u64, b: u64, period: u64) -> u64 {
-    let difference = if a >= b { a - b } else { a.wrapping_sub(b).wrapping_add(period) };
-    difference.min(period.wrapping_sub(difference))
-}
-
-/// The squared distance between points `i` and `j`, in squared steps. At most 3 (2^63)^2 < 2^128.
-pub fn squared_distance(axes: &[&[u64]], periods: [u64; 3], i: usize, j: usize) -> u128 {
-    let mut sum = 0;
-    for (axis, period) in axes.iter().zip(periods) {
-        let d = u128::from(minimum_image(axis[i], axis[j], period));
-        sum += d * d;
-    }
-    sum
-}
 
 /// The translation weight `prod_k a_k / (a_k - |h_k|)` of a pair in steps of 2^-32, rounded to nearest; `a_k` and `h_k`
 /// in units of the domain's length unit. Plans keep `r_max` below the window's shortest side, so `h_k < a_k` for
@@ -88,24 +72,6 @@ pub fn isotropic_weight(axes: &[&[u64]], sides: [u64; 3], i: usize, j: usize) ->
         }
     }
     ((TAU / inside).min(MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
-}
-
-/// The distance of point `i` from the border of the window, in steps.
-pub fn border_distance(axes: &[&[u64]], sides: [u64; 3], i: usize) -> u64 {
-    axes.iter().zip(sides).map(|(axis, side)| axis[i].min(side - axis[i])).min().unwrap_or(0)
-}
-
-/// The number of bins whose upper edge is at most `distance`.
-pub fn depth(thresholds: &[u128], distance: u64) -> usize {
-    let squared = u128::from(distance) * u128::from(distance);
-    thresholds[1..].partition_point(|&t| t <= squared)
-}
-
-/// `u_i u_j w` of points whose weights are `u`, in steps of 2^-24, and a pair that weighs `w`, in steps of 2^-32: in steps
-/// of 2^-32, rounded to nearest.
-pub fn weighted_pair(u: [u32; 2], w: u64) -> u64 {
-    let product = u128::from(u[0]) * u128::from(u[1]) * u128::from(w);
-    ((product + (1 << 47)) >> 48) as u64
 }
 
 /// The weight of the ordered pair (i, j) in steps of 2^-32: that of its edge correction, times those of its points, where the

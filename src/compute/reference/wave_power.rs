@@ -13,7 +13,8 @@
 //! f64. Sums are compensated (Neumaier), so that the error does
 //! not grow with n.
 
-use crate::compute::Control;
+use crate::compute::compensated::Compensated;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::WaveVectors;
 
@@ -59,38 +60,4 @@ pub(in crate::compute) fn amplitudes(
         amplitudes.push([re.sum(), im.sum()]);
     }
     Ok(amplitudes)
-}
-
-/// The sum of all values, as accurate as the sums of the definition.
-pub(in crate::compute) fn total(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sum = Compensated::default();
-    values.for_each(|x| sum.add(x));
-    sum.sum()
-}
-
-/// A sum that carries its rounding error (Neumaier 1974).
-#[derive(Default)]
-pub(in crate::compute) struct Compensated {
-    sum: f64,
-    error: f64,
-}
-
-impl Compensated {
-    fn add(&mut self, x: f64) {
-        let s = self.sum + x;
-        self.error += if self.sum.abs() >= x.abs() { (self.sum - s) + x } else { (x - s) + self.sum };
-        self.sum = s;
-    }
-
-    pub(in crate::compute) fn sum(&self) -> f64 {
-        self.sum + self.error
-    }
-}
-
-impl FromIterator<f64> for Compensated {
-    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
-        let mut sum = Self::default();
-        values.into_iter().for_each(|x| sum.add(x));
-        sum
-    }
 }

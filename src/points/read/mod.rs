@@ -8,8 +8,6 @@
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
 mod columns;
-mod edges;
-mod frequencies;
 mod npy;
 mod npz;
 mod raw;
@@ -25,8 +23,6 @@ use crate::points::RawPoints;
 
 use columns::Marks;
 pub use columns::{Column, Columns, MarkedPoints, Rows};
-pub use edges::read_edges;
-pub use frequencies::read_frequencies;
 pub use raw::{RawElement, RawLayout};
 
 /// What the command line says about its input files.
@@ -91,7 +87,7 @@ fn coordinates(dim: usize) -> String {
     plural(dim as u64, "coordinate")
 }
 
-fn plural(n: u64, noun: &str) -> String {
+pub(crate) fn plural(n: u64, noun: &str) -> String {
     match (n, noun) {
         (1, _) => format!("1 {noun}"),
         (_, "axis") => format!("{n} axes"),
@@ -187,7 +183,7 @@ fn natural_key(name: &str) -> (Vec<(String, usize, String)>, String) {
 }
 
 /// Every realization of one file, at least one.
-fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+pub(crate) fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let (name, bytes) = if is_stdin(path) {
         let mut bytes = Vec::new();
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| Error::file("standard input", e))?;

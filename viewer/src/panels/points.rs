@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use eframe::egui;
 use pairwave::analysis::Analysis;
-use pairwave::compute::Control;
+use pairwave::control::Control;
 use pairwave::points::Boundary;
 use pairwave::report::{Axis, Frame, Panel, overlays};
 use pairwave::request::PointsRequest;

@@ -24,7 +24,7 @@ use self::kernel::Kernel;
 use self::spread::{FineGrid, Sorted};
 use self::transform::{Transform, Worker};
 use super::SimdLevel;
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{NufftSizes, WaveGrid};
 

@@ -12,8 +12,8 @@ use rayon::ThreadPool;
 
 use super::kernel::Kernel;
 use super::threads::share;
-use crate::compute::Control;
 use crate::compute::cpu::simd::{self, SimdLevel};
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::kernel_lanes as lanes;
 

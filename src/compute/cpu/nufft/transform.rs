@@ -12,7 +12,7 @@ use rustfft::{Fft, FftPlanner, num_complex::Complex};
 
 use super::spread::FineGrid;
 use super::threads::share;
-use crate::compute::Control;
+use crate::control::Control;
 use crate::error::{Error, Result};
 
 /// Slabs transposed at a time: two cache lines of one frequency.

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::{Columns, ReadOptions, Rows, plural, read_file};
 use crate::error::{Error, Result, number};
 use crate::plan::WaveList;
 use crate::points::Domain;
+use crate::points::read::{Columns, ReadOptions, Rows, plural, read_file};
 
 /// Frequencies from here on are refused: 2^31 cycles per side.
 const LIMIT: f64 = 2_147_483_648.0;

@@ -1,0 +1,271 @@
+//! Realizations of a pattern, checked once.
+
+use rayon::prelude::*;
+
+use super::fixed_point::{fixed_point, scale_to_period};
+use super::{Domain, RawPoints};
+use crate::error::{Error, Result, number};
+
+/// Realizations of one point process in one domain, as fixed-point fractions, checked once and never changed.
+///
+/// Two integers stand for each coordinate `x` of axis `k`, both wrapping at 2^64:
+/// - the *fraction* `(x - origin_k) / side_k`, the argument of phases (`m . x mod 1` is exact for integer `m`);
+/// - the *length* `(x - origin_k) / length_unit`, the argument of distances (one step is the same length on every
+///   axis). They are the same integers on a cubic torus and are then stored once.
+///
+/// Each is the nearest multiple of 2^-64 to the f64 quotient, so the error is at most 2^-65 + 2^-54 relative.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ensemble {
+    domain: Domain,
+    /// Index of the first realization in the whole batch; the order of sums follows it.
+    first_index: u64,
+    /// `offsets[k]..offsets[k + 1]` are the points of realization `k`.
+    offsets: Vec<usize>,
+    fractions: Vec<Vec<u64>>,
+    /// `None` on a cubic torus, where lengths are the fractions.
+    lengths: Option<Vec<Vec<u64>>>,
+    /// The weight of each point, scaled by a power of two so that the largest magnitude is in (1/2, 1]; `None` where every
+    /// point weighs 1.
+    weights: Option<Vec<f64>>,
+    /// The same in steps of 2^-24, for pairs.
+    masses: Option<Vec<u32>>,
+    /// The class of each point; `None` where there is only one.
+    classes: Option<Vec<u32>>,
+}
+
+/// A point's weight of 1: weights are multiples of 2^-24.
+pub const UNIT_MASS: u32 = 1 << 24;
+
+impl Ensemble {
+    /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
+    /// window) a point outside is an error that names the point.
+    pub fn from_raw(raw: &[RawPoints], domain: &Domain, wrap: bool, first_index: u64) -> Result<Self> {
+        let dim = domain.dim();
+        let total = raw.iter().map(RawPoints::len).sum();
+        let mut offsets = Vec::with_capacity(raw.len() + 1);
+        offsets.push(0);
+        let mut fractions = vec![Vec::with_capacity(total); dim];
+        let unit = domain.length_unit();
+        let periods = domain.periods();
+        let own_lengths = !(domain.is_torus() && domain.is_cubic());
+        let mut lengths = vec![Vec::with_capacity(if own_lengths { total } else { 0 }); dim];
+        for set in raw {
+            if set.dim != dim {
+                let reason = format!("points have {} coordinates, the domain has {dim} axes", set.dim);
+                return Err(Error::input(&set.source, reason));
+            }
+            for (j, point) in set.coordinates.chunks_exact(dim).enumerate() {
+                for (k, &x) in point.iter().enumerate() {
+                    let fraction = fraction(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
+                    // The far end of a closed window is the one fraction that does not fit: 1 = 0 for a phase.
+                    fractions[k].push(fixed_point(fraction));
+                    if own_lengths {
+                        lengths[k].push(if domain.is_torus() {
+                            scale_to_period(fixed_point(fraction), periods[k])
+                        } else {
+                            fixed_point((x - domain.origin()[k]) / unit)
+                        });
+                    }
+                }
+            }
+            offsets.push(fractions[0].len());
+        }
+        let lengths = own_lengths.then_some(lengths);
+        Ok(Self {
+            domain: domain.clone(),
+            first_index,
+            offsets,
+            fractions,
+            lengths,
+            weights: None,
+            masses: None,
+            classes: None,
+        })
+    }
+
+    /// The same points with weights, one per point of all realizations: finite and not all 0. They are divided by the
+    /// power of two at or above the largest magnitude, which drops out of all estimates. Spectra take them as they are, of
+    /// either sign; g and K, where weights are at least 0, as multiples of 2^-24, so that each is off by at most 2^-24 of
+    /// the largest.
+    pub fn with_weights(mut self, weights: &[f64]) -> Self {
+        let largest = weights.iter().fold(0.0, |l: f64, w| l.max(w.abs()));
+        // Divided by the power of two below first: the one above may not be finite.
+        let below = 2f64.powi(libm::ilogb(largest).clamp(-1022, 1023));
+        let units = if below < largest { 0.5 } else { 1.0 };
+        let scaled: Vec<f64> = weights.iter().map(|w| w / below * units).collect();
+        let mass = |w: &f64| (w.max(0.0) * f64::from(UNIT_MASS)).round_ties_even() as u32;
+        self.masses = Some(scaled.iter().map(mass).collect());
+        self.weights = Some(scaled);
+        self
+    }
+
+    /// The same points with classes, one per point of all realizations.
+    pub fn with_classes(mut self, classes: Vec<u32>) -> Self {
+        self.classes = Some(classes);
+        self
+    }
+
+    /// The points of the classes that `wanted` holds, in the same realizations.
+    pub fn of_classes(&self, wanted: &[u32]) -> Self {
+        let Some(classes) = &self.classes else { return self.clone() };
+        let kept: Vec<usize> = (0..self.total_points()).filter(|&j| wanted.contains(&classes[j])).collect();
+        let cut = |axes: &Vec<Vec<u64>>| axes.iter().map(|a| kept.iter().map(|&j| a[j]).collect()).collect();
+        let marks = |marks: &Vec<u32>| kept.iter().map(|&j| marks[j]).collect();
+        Self {
+            domain: self.domain.clone(),
+            first_index: self.first_index,
+            offsets: self.offsets.iter().map(|&o| kept.partition_point(|&j| j < o)).collect(),
+            fractions: cut(&self.fractions),
+            lengths: self.lengths.as_ref().map(cut),
+            weights: self.weights.as_ref().map(|w| kept.iter().map(|&j| w[j]).collect()),
+            masses: self.masses.as_ref().map(marks),
+            classes: Some(marks(classes)),
+        }
+    }
+
+    /// The domain.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Number of realizations held here.
+    pub fn realizations(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Index of the first of them in the whole batch.
+    pub fn first_index(&self) -> u64 {
+        self.first_index
+    }
+
+    /// Number of points in realization `k` (counted from the first held here).
+    pub fn points_in(&self, k: usize) -> usize {
+        self.offsets[k + 1] - self.offsets[k]
+    }
+
+    /// Number of points in all realizations held here.
+    pub fn total_points(&self) -> usize {
+        self.fractions[0].len()
+    }
+
+    /// The range of realization `k` within `all_fractions` and `all_lengths`.
+    pub fn range(&self, k: usize) -> std::ops::Range<usize> {
+        self.offsets[k]..self.offsets[k + 1]
+    }
+
+    /// Fractions of the own side along `axis`, all realizations back to back.
+    pub fn all_fractions(&self, axis: usize) -> &[u64] {
+        &self.fractions[axis]
+    }
+
+    /// Positions along `axis` in steps of `length_unit / 2^64`, all realizations back to back.
+    pub fn all_lengths(&self, axis: usize) -> &[u64] {
+        self.lengths.as_ref().map_or(&self.fractions[axis], |l| &l[axis])
+    }
+
+    /// Per axis, the fractions of realization `k`.
+    pub fn fractions(&self, k: usize) -> Vec<&[u64]> {
+        (0..self.domain.dim()).map(|a| &self.all_fractions(a)[self.range(k)]).collect()
+    }
+
+    /// Per axis, the lengths of realization `k`.
+    pub fn lengths(&self, k: usize) -> Vec<&[u64]> {
+        (0..self.domain.dim()).map(|a| &self.all_lengths(a)[self.range(k)]).collect()
+    }
+
+    /// The weights of the points of realization `k`, in steps of 2^-24; `None` where every point weighs 1.
+    pub fn masses(&self, k: usize) -> Option<&[u32]> {
+        self.masses.as_ref().map(|m| &m[self.range(k)])
+    }
+
+    /// The same as numbers: the largest magnitude of all realizations is in (1/2, 1].
+    pub fn weights(&self, k: usize) -> Option<&[f64]> {
+        self.weights.as_ref().map(|w| &w[self.range(k)])
+    }
+
+    /// The sum of squared weights of realization `k`, which `|s_m|^2` is compared with: n where every point weighs 1.
+    pub fn norm(&self, k: usize) -> f64 {
+        self.weights(k).map_or(self.points_in(k) as f64, |w| w.iter().map(|w| w * w).sum())
+    }
+
+    /// Position of point `j` of realization `k` in the domain's own units.
+    pub fn position(&self, k: usize, j: usize) -> Vec<f64> {
+        let unit = self.domain.length_unit() / 2f64.powi(64);
+        (0..self.domain.dim())
+            .map(|a| self.domain.origin()[a] + self.all_lengths(a)[self.offsets[k] + j] as f64 * unit)
+            .collect()
+    }
+
+    /// A copy of realizations `range` (counted from the first held here).
+    pub fn slice(&self, range: std::ops::Range<usize>) -> Self {
+        let points = self.offsets[range.start]..self.offsets[range.end];
+        let cut = |axes: &Vec<Vec<u64>>| axes.iter().map(|a| a[points.clone()].to_vec()).collect();
+        Self {
+            domain: self.domain.clone(),
+            first_index: self.first_index + range.start as u64,
+            offsets: self.offsets[range.start..=range.end].iter().map(|o| o - points.start).collect(),
+            fractions: cut(&self.fractions),
+            lengths: self.lengths.as_ref().map(cut),
+            weights: self.weights.as_ref().map(|w| w[points.clone()].to_vec()),
+            masses: self.masses.as_ref().map(|m| m[points.clone()].to_vec()),
+            classes: self.classes.as_ref().map(|c| c[points.clone()].to_vec()),
+        }
+    }
+
+    /// The same fractions in another torus of the same dimension.
+    pub fn stretched(&self, domain: &Domain) -> Self {
+        if *domain == self.domain {
+            return self.clone();
+        }
+        let periods = domain.periods();
+        let lengths = (!domain.is_cubic()).then(|| {
+            let axes = self.fractions.iter().zip(periods);
+            axes.map(|(axis, period)| axis.iter().map(|&f| scale_to_period(f, period)).collect()).collect()
+        });
+        Self { domain: domain.clone(), lengths, ..self.clone() }
+    }
+
+    /// Number of points that coincide with an earlier point of the same realization.
+    pub fn duplicates(&self) -> u64 {
+        let in_realization = |k: usize| {
+            let axes = self.fractions(k);
+            let key = |j: usize| -> [u64; 3] { std::array::from_fn(|a| axes.get(a).map_or(0, |x| x[j])) };
+            let mut keys: Vec<_> = (0..self.points_in(k)).map(key).collect();
+            keys.sort_unstable();
+            keys.windows(2).filter(|w| w[0] == w[1]).count() as u64
+        };
+        (0..self.realizations()).into_par_iter().map(in_realization).sum()
+    }
+}
+
+/// `x` as a fraction of its side: in [0, 1) on a torus (1 where folding rounds up to it, which is 0 again), in [0, 1] in a
+/// window, `None` outside.
+fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
+    let side = domain.sides()[axis];
+    let offset = x - domain.origin()[axis];
+    if !offset.is_finite() {
+        return None;
+    }
+    match (domain.is_torus(), wrap) {
+        // The remainder is exact; dividing first would lose the digits that the whole turns take up.
+        (true, true) => Some(offset.rem_euclid(side) / side),
+        (true, false) => (0.0..side).contains(&offset).then_some(offset / side),
+        (false, _) => (0.0..=side).contains(&offset).then_some(offset / side),
+    }
+}
+
+fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> Error {
+    let name = ["x", "y", "z"][axis];
+    let x_text = number(x);
+    let (lo, hi) = (domain.origin()[axis], domain.origin()[axis] + domain.sides()[axis]);
+    let reason = if !x.is_finite() {
+        format!("{name} = {x_text} is not a finite number")
+    } else if domain.is_torus() {
+        format!(
+            "{name} = {x_text} is outside [{lo}, {hi}); --wrap folds points in, --box sets the sides, --window a window"
+        )
+    } else {
+        format!("{name} = {x_text} is outside the window [{lo}, {hi}]; --window x0,x1,y0,y1 sets it")
+    };
+    Error::input(set.place(j), reason)
+}

@@ -1,0 +1,52 @@
+//! A sampler with all that it takes.
+
+use super::{ParameterValues, Realization, Sampler, find};
+use crate::error::{Error, Result};
+use crate::points::RawPoints;
+
+/// A sampler with everything that determines its realizations.
+pub struct Process {
+    /// The sampler.
+    pub sampler: &'static dyn Sampler,
+    /// Its parameters.
+    pub values: ParameterValues,
+    /// Points per realization, expected where the sampler draws it.
+    pub n: u64,
+    /// Number of realizations.
+    pub realizations: u64,
+    /// Dimension.
+    pub dim: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Process {
+    /// Checks the name, the parameters and n.
+    pub fn new(name: &str, n: u64, realizations: u64, dim: usize, seed: u64, params: &[String]) -> Result<Self> {
+        let sampler = find(name)?;
+        let values = ParameterValues::parse(sampler, params)?;
+        sampler.check(n, dim, &values)?;
+        if realizations == 0 {
+            return Err(Error::setting("-k", 0, "expected at least 1 realization"));
+        }
+        Ok(Self { sampler, values, n, realizations, dim, seed })
+    }
+
+    /// Realization `index`, on the unit torus.
+    pub fn realization(&self, index: u64) -> Result<RawPoints> {
+        let which = Realization { n: self.n, dim: self.dim, seed: self.seed, index };
+        let coordinates = self.sampler.generate(&which, &self.values)?;
+        let source = format!("{}, realization {index}", self.sampler.name());
+        Ok(RawPoints { dim: self.dim, coordinates, source, lines: Vec::new() })
+    }
+
+    /// Closed form of g on the unit torus, normalized by n (n - 1).
+    pub fn pair_correlation(&self, r: f64) -> Option<f64> {
+        self.sampler.pair_correlation(self.n, self.dim, r, &self.values)
+    }
+
+    /// Closed form of P at `m != 0`.
+    pub fn power(&self, m: [i32; 3]) -> Option<f64> {
+        self.sampler.power(self.n, m, self.dim, &self.values)
+    }
+}
