@@ -1,6 +1,8 @@
 //! One error type. Every variant names the input at fault, its value, and what would be accepted.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use crate::setting::{Setting, renamed};
 
 /// The result type of the library.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -15,17 +17,26 @@ pub(crate) fn numbers(list: impl IntoIterator<Item = f64>) -> String {
     list.into_iter().map(number).collect::<Vec<_>>().join(",")
 }
 
-/// What went wrong, with which input.
+/// What went wrong, with which input. Settings are named as the fields of `Request`; [`Error::told`] has other names for them.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A setting is impossible or contradicts another. The command line exits with code 2.
-    #[error("{flag} {value}: {reason}")]
+    #[error("{setting} {value}: {reason}")]
     Setting {
-        /// The flag as a user types it, e.g. `--r-max`.
-        flag: &'static str,
+        /// Which one.
+        setting: Setting,
         /// The value given (or the default taken).
         value: String,
-        /// Why it cannot be used and what would be accepted.
+        /// Why it cannot be used and what would be accepted. Other settings are mentioned as `` `r_max` ``.
+        reason: String,
+    },
+
+    /// Arguments of `pairwave analyze` that make no request. The command line exits with code 2.
+    #[error("pairwave analyze {arguments}: {reason}")]
+    Arguments {
+        /// What was typed.
+        arguments: String,
+        /// Why it cannot be used, in one line.
         reason: String,
     },
 
@@ -34,7 +45,7 @@ pub enum Error {
     Input {
         /// `FILE`, `FILE:LINE` or `FILE, realization K, point J`.
         place: String,
-        /// What was found and what would be accepted.
+        /// What was found and what would be accepted. Settings are mentioned as `` `r_max` ``.
         reason: String,
     },
 
@@ -48,7 +59,7 @@ pub enum Error {
     },
 
     /// No usable compute device of the kind asked for.
-    #[error("--device {asked}: {reason}")]
+    #[error("{} {asked}: {reason}", Setting::Device)]
     NoDevice {
         /// What was asked for.
         asked: String,
@@ -74,8 +85,38 @@ pub enum Error {
 
 impl Error {
     /// A wrong or contradictory setting.
-    pub fn setting(flag: &'static str, value: impl ToString, reason: impl Into<String>) -> Self {
-        Self::Setting { flag, value: value.to_string(), reason: reason.into() }
+    pub fn setting(setting: Setting, value: impl ToString, reason: impl Into<String>) -> Self {
+        Self::Setting { setting, value: value.to_string(), reason: reason.into() }
+    }
+
+    /// The same error with `setting` as it was typed, if that is at fault: values are checked in other forms too.
+    pub(crate) fn as_typed(self, setting: Setting, typed: impl ToString) -> Self {
+        match self {
+            Self::Setting { setting: at_fault, reason, .. } if at_fault == setting => {
+                Self::setting(setting, typed, reason)
+            }
+            other => other,
+        }
+    }
+
+    /// A mistake in the content of a file that `setting` named: what is wrong is wrong in that file.
+    pub(crate) fn in_file(self, setting: Setting, path: &Path) -> Self {
+        match self {
+            Self::Setting { reason, .. } => Self::setting(setting, path.display(), reason),
+            other => other,
+        }
+    }
+
+    /// The message with settings under the names that `name` has for them: the flags of a command line, keywords.
+    pub fn told(&self, name: impl Fn(Setting) -> &'static str) -> String {
+        match self {
+            Self::Setting { setting, value, reason } => {
+                format!("{} {value}: {}", name(*setting), renamed(reason, name))
+            }
+            Self::NoDevice { asked, reason } => format!("{} {asked}: {reason}", name(Setting::Device)),
+            Self::Input { place, reason } => format!("{place}: {}", renamed(reason, name)),
+            other => other.to_string(),
+        }
     }
 
     /// Wrong content at `place` of an input.
@@ -91,7 +132,7 @@ impl Error {
     /// The exit code of the command line: 2 for usage, 1 for data or device, 130 after Ctrl-C (as shells do).
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Setting { .. } => 2,
+            Self::Setting { .. } | Self::Arguments { .. } => 2,
             Self::Cancelled => 130,
             _ => 1,
         }

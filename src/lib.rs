@@ -49,7 +49,9 @@ pub mod points;
 pub mod report;
 pub mod request;
 pub mod samplers;
+mod setting;
 mod sinc;
 pub mod source;
 
 pub use error::{Error, Result};
+pub use setting::Setting;

@@ -21,7 +21,7 @@ fn main() -> ExitCode {
     match Arguments::parse().command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", error.told(pairwave::Setting::flag));
             ExitCode::from(error.exit_code())
         }
     }

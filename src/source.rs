@@ -10,6 +10,7 @@ use crate::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
 use crate::points::{Boundary, Domain, Ensemble};
 use crate::request::PointsRequest;
 use crate::samplers::{self, Process};
+use crate::setting::Setting;
 
 /// The points of one request.
 pub struct Source {
@@ -30,12 +31,14 @@ impl Source {
     /// Reads the files, or prepares the sampler; resolves the domain.
     pub fn open(request: &PointsRequest) -> Result<Self> {
         if let Some(name) = &request.sampler {
-            let n = request.points.ok_or_else(|| Error::setting("-n", "(none)", "--sampler needs -n N"))?;
+            let n = request
+                .points
+                .ok_or_else(|| Error::setting(Setting::Points, "(none)", "`sampler` needs `points` N"))?;
             let (k, dim) = (request.realizations.unwrap_or(1), request.dim.unwrap_or(2));
             let seed = request.seed.unwrap_or(1);
             let process = Process::new(name, n, k, dim, seed, &request.params)?;
             if request.domain == Some(Boundary::Window) {
-                return Err(Error::setting("--domain", "window", "samplers fill a torus; a window needs files"));
+                return Err(Error::setting(Setting::Domain, "window", "samplers fill a torus; a window needs files"));
             }
             let domain = domain(request, dim)?;
             let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
@@ -50,13 +53,13 @@ impl Source {
         only_for_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
             return Err(Error::setting(
-                "--window",
+                Setting::Window,
                 numbers(window.iter().copied()),
                 "expected two numbers per axis, x0,x1,y0,y1[,z0,z1]",
             ));
         }
         if request.files.is_empty() {
-            return Err(Error::setting("FILES", "(none)", "expected point files, or --sampler NAME -n N"));
+            return Err(Error::setting(Setting::Files, "(none)", "expected point files, or `sampler` NAME `points` N"));
         }
         let columns = Columns::new(request.weight_column.as_deref(), request.class_column.as_deref())?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
@@ -111,7 +114,7 @@ impl Source {
         let two = |k| ensemble.masses(k).is_none_or(|m| m.iter().filter(|&&u| u > 0).nth(1).is_some());
         if !(0..ensemble.realizations()).any(two) {
             let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-25 of it)";
-            return Err(Error::setting("--weight-column", column, reason));
+            return Err(Error::setting(Setting::WeightColumn, column, reason));
         }
         Ok(())
     }
@@ -166,7 +169,7 @@ fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest)
     let mut ensemble = Ensemble::from_raw(&raw, domain, request.wrap, 0)?;
     if let Some(column) = &request.weight_column {
         if weights.iter().all(|&w| w == 0.0) {
-            return Err(Error::setting("--weight-column", column, "all weights are 0"));
+            return Err(Error::setting(Setting::WeightColumn, column, "all weights are 0"));
         }
         ensemble = ensemble.with_weights(&weights);
     }
@@ -180,14 +183,16 @@ fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest)
 fn only_for_samplers(request: &PointsRequest) -> Result<()> {
     let text = |value: Option<String>| value.filter(|v| !v.is_empty());
     let given = [
-        ("-n", text(request.points.map(|n| n.to_string()))),
-        ("-k", text(request.realizations.map(|k| k.to_string()))),
-        ("--dim", text(request.dim.map(|d| d.to_string()))),
-        ("--seed", text(request.seed.map(|s| s.to_string()))),
-        ("--param", text(Some(request.params.join(" ")))),
+        (Setting::Points, text(request.points.map(|n| n.to_string()))),
+        (Setting::Realizations, text(request.realizations.map(|k| k.to_string()))),
+        (Setting::Dim, text(request.dim.map(|d| d.to_string()))),
+        (Setting::Seed, text(request.seed.map(|s| s.to_string()))),
+        (Setting::Params, text(Some(request.params.join(" ")))),
     ];
-    match given.into_iter().find_map(|(flag, value)| Some((flag, value?))) {
-        Some((flag, value)) => Err(Error::setting(flag, value, "applies to --sampler NAME only, not to point files")),
+    match given.into_iter().find_map(|(setting, value)| Some((setting, value?))) {
+        Some((setting, value)) => {
+            Err(Error::setting(setting, value, "applies to `sampler` NAME only, not to point files"))
+        }
         None => Ok(()),
     }
 }
@@ -203,28 +208,28 @@ fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
     if let Some(window) = &request.window {
         if request.domain == Some(Boundary::Torus) {
             return Err(Error::setting(
-                "--window",
+                Setting::Window,
                 numbers(window.iter().copied()),
-                "contradicts --domain torus; --box sets its sides",
+                "contradicts `domain` torus; `sides` sets its sides",
             ));
         }
         if window.len() != 2 * dim {
             let reason = format!("expected {} numbers for points with {dim} coordinates", 2 * dim);
-            return Err(Error::setting("--window", numbers(window.iter().copied()), reason));
+            return Err(Error::setting(Setting::Window, numbers(window.iter().copied()), reason));
         }
         return Domain::window(&window.chunks_exact(2).map(|r| (r[0], r[1])).collect::<Vec<_>>());
     }
     if request.domain == Some(Boundary::Window) {
         return Err(Error::setting(
-            "--domain",
+            Setting::Domain,
             "window",
-            "needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+            "needs `window` x0,x1,y0,y1[,z0,z1]: a window is not guessed",
         ));
     }
     match &request.sides {
         Some(sides) if sides.len() != dim => {
             let reason = format!("expected {dim} sides for points with {dim} coordinates");
-            Err(Error::setting("--box", numbers(sides.iter().copied()), reason))
+            Err(Error::setting(Setting::Sides, numbers(sides.iter().copied()), reason))
         }
         Some(sides) => Domain::torus(sides),
         None => Ok(Domain::unit_torus(dim)),

@@ -162,7 +162,7 @@ fn points_of_a_torus_fold() {
     let error = Ensemble::from_raw(&[raw(2, vec![0.5, 3.0])], &torus, false, 0).unwrap_err().to_string();
     assert_eq!(
         error,
-        "test, point 0: y = 3 is outside [0, 3); --wrap folds points in, --box sets the sides, --window a window"
+        "test, point 0: y = 3 is outside [0, 3); `wrap` folds points in, `sides` sets the sides, `window` a window"
     );
 }
 

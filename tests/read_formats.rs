@@ -377,7 +377,7 @@ fn bad_npy_files() {
         (b"\x93NUMPY".to_vec(), "truncated: the file ends within the .npy header".into()),
         (
             b"\x93NUM\0".to_vec(),
-            "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need --raw f32x2 or the like".into(),
+            "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need `raw` f32x2 or the like".into(),
         ),
     ];
     for (bytes, message) in table {
@@ -506,24 +506,24 @@ fn raw_numbers() {
     let wide = vec![0.5, 0.25, 0.125, 0.1];
     assert_eq!(content(&with("a.rps", &f64s, "f64x2").unwrap()), [(2, wide.clone())]);
     assert_eq!(content(&with("a.npy", &f64s[..24], "f64x3").unwrap()), [(3, wide[..3].to_vec())]);
-    assert_eq!(with("a.txt", b"0.5 0.25", "f64x1").unwrap()[0].len(), 1, "--raw overrides everything");
+    assert_eq!(with("a.txt", b"0.5 0.25", "f64x1").unwrap()[0].len(), 1, "raw overrides everything");
     let dim = ReadOptions { dim: Some(2), raw: None };
     assert_eq!(content(&read_with(&input("a.f64", &f64s), &dim).unwrap()), [(2, wide)]);
 
-    let unknown = "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need --raw f32x2 or the like";
+    let unknown = "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need `raw` f32x2 or the like";
     assert_eq!(read("points", &f64s).unwrap_err(), format!("points: {unknown}"));
     assert_eq!(read("a.bin", &f32s).unwrap_err(), format!("a.bin: {unknown}"));
     assert_eq!(read("a.gz", b"\x1f\x8b\x08\0\0\0").unwrap_err(), "a.gz: compressed with gzip; unpack it first");
-    let message = "a.f32: raw numbers do not say how many make a point; give --raw f32x2 (or x1, x3)";
+    let message = "a.f32: raw numbers do not say how many make a point; give `raw` f32x2 (or x1, x3)";
     assert_eq!(read("a.f32", &f32s).unwrap_err(), message);
     let message = "a.rps: 15 bytes are not a whole number of f32x2 points of 8 bytes: 7 left over";
     assert_eq!(read("a.rps", &f32s[..15]).unwrap_err(), message);
     let form = "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)";
     for wrong in ["f32", "f16x2", "f32x6", "f32x0", "f32x22", "F32x2", "f32 x2", ""] {
         let message = wrong.parse::<RawLayout>().unwrap_err().to_string();
-        assert_eq!(message, format!("--raw {wrong}: {form}"));
+        assert_eq!(message, format!("raw {wrong}: {form}"));
     }
-    assert_eq!(with("a", &f32s, "f32x4").unwrap_err(), format!("--raw f32x4: {form}"), "no flag takes the fourth");
+    assert_eq!(with("a", &f32s, "f32x4").unwrap_err(), format!("raw f32x4: {form}"), "no setting takes the fourth");
     assert_eq!("f64x3".parse::<RawLayout>().unwrap().to_string(), "f64x3");
 }
 
@@ -581,17 +581,17 @@ fn columns_of_weights_and_classes_are_no_coordinates() {
 #[test]
 fn wrong_columns_are_named() {
     for (text, weight, class, message) in [
-        ("x,y,w\n1,2,3\n", "mass", "", "a.csv:1: --weight-column mass: no column of that name; there are x, y, w"),
-        ("x,y,w\n1,2,3\n", "", "4", "a.csv:1: --class-column 4: there is no such column, only 3 columns"),
+        ("x,y,w\n1,2,3\n", "mass", "", "a.csv:1: `weight_column` mass: no column of that name; there are x, y, w"),
+        ("x,y,w\n1,2,3\n", "", "4", "a.csv:1: `class_column` 4: there is no such column, only 3 columns"),
         ("x,y,w\n1,2,3\n", "2", "", "a.csv:1: column 2 is a coordinate, not a weight or a class"),
-        ("x,y,w\n1,2,3\n", "3", "w", "a.csv:1: --weight-column and --class-column are the same column"),
-        ("1 2 3\n", "w", "", "a.csv:1: --weight-column w: no header names the columns; expected a number from 1"),
-        ("x,w,w\n1,2,3\n", "w", "", "a.csv:1: --weight-column w: two columns have that name"),
+        ("x,y,w\n1,2,3\n", "3", "w", "a.csv:1: `weight_column` and `class_column` are the same column"),
+        ("1 2 3\n", "w", "", "a.csv:1: `weight_column` w: no header names the columns; expected a number from 1"),
+        ("x,w,w\n1,2,3\n", "w", "", "a.csv:1: `weight_column` w: two columns have that name"),
         ("1 2 1\n1 2 nan\n", "3", "", "a.csv:2: weight NaN; weights must be finite"),
         ("x,y,w\n1,2,\n", "w", "", "a.csv:2: \"\" is not a number; expected a number in column 3, named in line 1"),
         ("x,y,c\n1,2,\n", "", "c", "a.csv:2: no class in column 3"),
         ("7\n8\n", "1", "", "a.csv:2: no column is left for coordinates"),
-        ("1 2\n", "0", "", "--weight-column 0: columns are counted from 1"),
+        ("1 2\n", "0", "", "weight_column 0: columns are counted from 1"),
     ] {
         assert_eq!(read_columns(&input("a.csv", text), None, weight, class).unwrap_err(), message, "{text}");
     }
@@ -599,8 +599,8 @@ fn wrong_columns_are_named() {
     let error = |shape: &[u64], weight: &str| {
         read_columns(&input("a.npy", npy("<f8", npyz::Order::C, shape, &rows)), None, weight, "").unwrap_err()
     };
-    assert_eq!(error(&[2, 4], "5"), "a.npy: --weight-column 5: there is no such column, only 4 columns");
-    assert_eq!(error(&[2, 4], "w"), "a.npy: --weight-column w: no header names the columns; expected a number from 1");
+    assert_eq!(error(&[2, 4], "5"), "a.npy: `weight_column` 5: there is no such column, only 4 columns");
+    assert_eq!(error(&[2, 4], "w"), "a.npy: `weight_column` w: no header names the columns; expected a number from 1");
     assert_eq!(
         error(&[1, 8], "1"),
         "a.npy: shape (1, 8) has 8 columns; expected 2 to 4 columns: coordinates, and those the flags name"
@@ -648,14 +648,14 @@ fn directories_patterns_and_lists() {
     assert_eq!(fails(&[at("none.txt")]), "none.txt: No such file or directory (os error 2)");
     assert_eq!(fails(&[at("sub")]), "sub: no files in this directory");
     let form = "expected files, a directory, a pattern such as 'set_*.npy', or - for standard input";
-    assert_eq!(fails(&[]), format!("FILES (none): {form}"));
-    assert_eq!(fails(&["-".into(), "-".into()]), "FILES - -: standard input can be read only once");
+    assert_eq!(fails(&[]), format!("files (none): {form}"));
+    assert_eq!(fails(&["-".into(), "-".into()]), "files - -: standard input can be read only once");
 
     put("third.txt", "1 2 3\n");
     assert_eq!(fails(&[at("set_1.txt"), at("third.txt")]), "third.txt: 3 coordinates per point, but set_1.txt has 2");
     let options = ReadOptions { dim: Some(2), raw: None };
     let message = read_all(&[at("third.txt")], &options).unwrap_err().to_string();
-    assert!(message.ends_with("third.txt: 3 coordinates per point, but --box or --window has 2 axes"), "{message}");
+    assert!(message.ends_with("third.txt: 3 coordinates per point, but `sides` or `window` has 2 axes"), "{message}");
 
     std::fs::remove_file(at("third.txt")).unwrap();
     put("broken.csv", "x,y\n1,oops\n");
@@ -789,20 +789,20 @@ fn what_cannot_be_written_leaves_nothing_behind() {
     let single = "this format holds one realization; .npy, .npz, .bin, .csv and .txt hold several";
     let none = "realization 0 has no points, which text cannot show; .npz holds empty realizations";
     let table: &[(&str, &[RawPoints], String)] = &[
-        ("a.npy", &pair, format!("--out a.npy: {unequal}")),
-        ("a.bin", &pair, format!("--out a.bin: {unequal}")),
-        ("a.rps", &pair, format!("--out a.rps: {single}")),
-        ("a.f64", &pair, format!("--out a.f64: {single}")),
+        ("a.npy", &pair, format!("out a.npy: {unequal}")),
+        ("a.bin", &pair, format!("out a.bin: {unequal}")),
+        ("a.rps", &pair, format!("out a.rps: {single}")),
+        ("a.f64", &pair, format!("out a.f64: {single}")),
         (
             "a.rps",
             std::slice::from_ref(&solid),
-            "--out a.rps: .rps holds points in the plane, these have 3 coordinates".into(),
+            "out a.rps: .rps holds points in the plane, these have 3 coordinates".into(),
         ),
-        ("a.csv", std::slice::from_ref(&empty), format!("--out a.csv: {none}")),
+        ("a.csv", std::slice::from_ref(&empty), format!("out a.csv: {none}")),
         (
             "a.f32",
             std::slice::from_ref(&empty),
-            "--out a.f32: a realization without points would be an empty file".into(),
+            "out a.f32: a realization without points would be an empty file".into(),
         ),
         ("a.npy", std::slice::from_ref(&nan), "nan, point 1: NaN is not finite".into()),
         (
@@ -810,16 +810,16 @@ fn what_cannot_be_written_leaves_nothing_behind() {
             &[flat.clone(), solid.clone()],
             "hard: points of 3 coordinates in a file of 2-dimensional points".into(),
         ),
-        ("a.npz", &[], "--out a.npz: there are no realizations to write".into()),
+        ("a.npz", &[], "out a.npz: there are no realizations to write".into()),
         (
             "a.doc",
             &pair,
-            "--out a.doc: expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64".into(),
+            "out a.doc: expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64".into(),
         ),
         (
             "a",
             &pair,
-            "--out a: expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64".into(),
+            "out a: expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64".into(),
         ),
     ];
     for (name, sets, message) in table {
@@ -834,7 +834,7 @@ fn what_cannot_be_written_leaves_nothing_behind() {
 
     let path = folder.path().join("a.csv");
     std::fs::write(&path, "mine").unwrap();
-    assert_eq!(write_all(&path, &pair).unwrap_err(), "--out a.csv: exists already; --force replaces it");
+    assert_eq!(write_all(&path, &pair).unwrap_err(), "out a.csv: exists already; `force` replaces it");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
     let mut failing = [Ok(flat.clone()), Err(pairwave::Error::Cancelled)].into_iter();
     assert!(write(&path, &mut failing, true).is_err());

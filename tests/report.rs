@@ -12,7 +12,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use common::*;
-use pairwave::Error;
 use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{CrossCounts, PairCounts};
 use pairwave::compute::neighbors::neighbor_sums;
@@ -28,6 +27,7 @@ use pairwave::plan::{
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
+use pairwave::{Error, Setting};
 
 /// The stages after compute, for points in `domain`.
 fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins, f: &[u32]) -> Analysis {
@@ -742,7 +742,7 @@ fn an_existing_result_needs_force() {
     report::write(&dir, &small(), false).unwrap();
     let refusal = report::write(&dir, &small(), false).unwrap_err();
     assert_eq!(refusal.exit_code(), 2);
-    assert_eq!(refusal.to_string(), format!("--out {}: holds a result already; --force replaces it", dir.display()));
+    assert_eq!(refusal.to_string(), format!("out {}: holds a result already; `force` replaces it", dir.display()));
     assert!(report::check_out(&dir, false).is_err());
     report::check_out(&dir, true).unwrap();
 
@@ -765,7 +765,7 @@ fn a_file_of_ours_by_name_alone_is_not_lost() {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("pcf.csv"), "somebody's own").unwrap();
     let refusal = report::write(root.path(), &small(), false).unwrap_err();
-    assert!(refusal.to_string().contains("holds a file pcf.csv already; --force replaces it"), "{refusal}");
+    assert!(refusal.to_string().contains("holds a file pcf.csv already; `force` replaces it"), "{refusal}");
     // Nor a whole directory, not even by force.
     fs::remove_file(root.path().join("pcf.csv")).unwrap();
     fs::create_dir(root.path().join("pcf.csv")).unwrap();
@@ -785,7 +785,7 @@ fn bad_paths_fail_early_and_name_the_flag() {
     for path in [file.clone(), file.join("below"), PathBuf::new(), "/proc/nothing/here".into()] {
         for force in [false, true] {
             let refusal = report::check_out(&path, force).unwrap_err();
-            assert!(matches!(refusal, Error::Setting { flag: "--out", .. }), "{refusal}");
+            assert!(matches!(refusal, Error::Setting { setting: Setting::Out, .. }), "{refusal}");
             assert!(report::write(&path, &small(), force).is_err());
         }
     }

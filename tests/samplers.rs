@@ -271,14 +271,14 @@ fn poisson_disk_says_when_it_cannot() {
     let jammed = |n, dim, radius| error(disk.check(n, dim, &values("poisson-disk", &[radius])));
     assert_eq!(
         jammed(100_000, 2, "radius=0.8"),
-        "--param radius=0.8: dart throwing cannot place 100000 points this far apart in 2D; lower radius (many points jam \
+        "params radius=0.8: dart throwing cannot place 100000 points this far apart in 2D; lower radius (many points jam \
          near 0.7767, the default is 0.7)"
     );
     // Allowed by the quick check, found out by throwing.
     let values = values("poisson-disk", &["radius=0.9"]);
     assert!(disk.check(20, 2, &values).is_ok());
     let message = error(disk.generate(&Realization { n: 20, dim: 2, seed: 1, index: 0 }, &values));
-    assert!(message.starts_with("--param radius=0.9: dart throwing cannot place 20 points"), "{message}");
+    assert!(message.starts_with("params radius=0.9: dart throwing cannot place 20 points"), "{message}");
 }
 
 #[test]
@@ -373,16 +373,16 @@ fn coordinates_stay_in_the_half_open_box() {
 fn sizes_that_do_not_fit_are_refused_with_the_nearest_that_do() {
     let none: &[&str] = &[];
     let refused = |name: &str, n, dim| error(find(name).unwrap().check(n, dim, &values(name, none)));
-    assert_eq!(refused("grid", 1000, 2), "-n 1000: grid in 2D needs n = k^2; the nearest are 961 and 1024");
-    assert_eq!(refused("jittered", 999, 3), "-n 999: jittered in 3D needs n = k^3; the nearest are 729 and 1000");
+    assert_eq!(refused("grid", 1000, 2), "points 1000: grid in 2D needs n = k^2; the nearest are 961 and 1024");
+    assert_eq!(refused("jittered", 999, 3), "points 999: jittered in 3D needs n = k^3; the nearest are 729 and 1000");
     assert_eq!(
         refused("jittered", 99_999_999, 2),
-        "-n 99999999: jittered in 2D needs n = k^2; the nearest are 99980001 and 100000000"
+        "points 99999999: jittered in 2D needs n = k^2; the nearest are 99980001 and 100000000"
     );
-    assert_eq!(refused("random", 0, 2), "-n 0: expected 1 to 100000000 points");
-    assert_eq!(refused("random", 100_000_001, 2), "-n 100000001: expected 1 to 100000000 points");
-    assert_eq!(refused("halton", 10, 4), "--dim 4: expected 1, 2 or 3");
-    assert_eq!(refused("thomas", 10, 0), "--dim 0: expected 1, 2 or 3");
+    assert_eq!(refused("random", 0, 2), "points 0: expected 1 to 100000000 points");
+    assert_eq!(refused("random", 100_000_001, 2), "points 100000001: expected 1 to 100000000 points");
+    assert_eq!(refused("halton", 10, 4), "dim 4: expected 1, 2 or 3");
+    assert_eq!(refused("thomas", 10, 0), "dim 0: expected 1, 2 or 3");
     for k in 1..=464u64 {
         assert!(find("grid").unwrap().check(k * k * k, 3, &values("grid", none)).is_ok(), "{k}^3");
     }
@@ -402,26 +402,26 @@ fn wrong_parameters_are_refused_by_name() {
     let disk = "poisson-disk";
     assert_eq!(
         refused(disk, &["raduis=0.5"]),
-        "--param raduis=0.5: poisson-disk has no parameter raduis (did you mean radius?); expected radius (a number above 0 \
+        "params raduis=0.5: poisson-disk has no parameter raduis (did you mean radius?); expected radius (a number above 0 \
          and at most 1, default 0.7)"
     );
     for bad in ["1.5", "0", "-1", "NaN", "inf", "wide", ""] {
         assert_eq!(
             refused(disk, &[&format!("radius={bad}")]),
-            format!("--param radius={bad}: radius of poisson-disk is a number above 0 and at most 1 (default 0.7)")
+            format!("params radius={bad}: radius of poisson-disk is a number above 0 and at most 1 (default 0.7)")
         );
     }
-    assert_eq!(refused(disk, &["radius"]), "--param radius: expected key=value");
-    assert_eq!(refused(disk, &["radius=0.5", "radius=0.6"]), "--param radius=0.6: radius is given twice");
-    assert_eq!(refused("random", &["x=1"]), "--param x=1: random has no parameters");
-    assert_eq!(refused("grid", &["shift=left"]), "--param shift=left: shift of grid is none or random (default none)");
+    assert_eq!(refused(disk, &["radius"]), "params radius: expected key=value");
+    assert_eq!(refused(disk, &["radius=0.5", "radius=0.6"]), "params radius=0.6: radius is given twice");
+    assert_eq!(refused("random", &["x=1"]), "params x=1: random has no parameters");
+    assert_eq!(refused("grid", &["shift=left"]), "params shift=left: shift of grid is none or random (default none)");
     assert_eq!(
         error(find("Jitered").map(|s| s.name())),
-        "--sampler Jitered: no such sampler (did you mean jittered?); expected one of random, grid, jittered, poisson-disk, halton, thomas"
+        "sampler Jitered: no such sampler (did you mean jittered?); expected one of random, grid, jittered, poisson-disk, halton, thomas"
     );
     assert_eq!(
         error(find("zzz").map(|s| s.name())),
-        "--sampler zzz: no such sampler; expected one of random, grid, jittered, poisson-disk, halton, thomas"
+        "sampler zzz: no such sampler; expected one of random, grid, jittered, poisson-disk, halton, thomas"
     );
     // Values made for another sampler are an error, not a default.
     let grid: &dyn Sampler = find("grid").unwrap();

@@ -413,7 +413,7 @@ fn sectors_are_refused_where_there_are_none() {
     let e = ensemble(&[uniform(2, 30, 1)]);
     for count in [0, 3601] {
         let refusal = wave_plan(&e, &[4, 4], Accuracy::High).with_sectors(count).unwrap_err();
-        assert!(refusal.to_string().starts_with(&format!("--sectors {count}: expected 1 to 3600")), "{refusal}");
+        assert!(refusal.to_string().starts_with(&format!("sectors {count}: expected 1 to 3600")), "{refusal}");
     }
 }
 

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::plan::PairPlan;
 use crate::points::Ensemble;
 use crate::request::Request;
+use crate::setting::Setting;
 
 /// The two classes whose g is wanted.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +30,7 @@ impl Classes {
         let number = |name: &str| names.iter().position(|n| n == name).map(|k| k as u32);
         let typed = request.classes.clone().unwrap_or("(none)".into());
         let wanted = request.classes.as_deref().map(fields);
-        let fail = |reason: String| Err(Error::setting("--classes", &typed, reason));
+        let fail = |reason: String| Err(Error::setting(Setting::Classes, &typed, reason));
         let numbers = match (wanted.as_deref(), names) {
             (None, [_, _]) => [0, 1],
             (None, _) => return fail(format!("expected two of the {} classes: {}", names.len(), listed())),

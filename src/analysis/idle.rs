@@ -4,6 +4,7 @@ use super::plan::axes;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::Convention;
 use crate::request::{Request, Statistic};
+use crate::setting::Setting;
 
 use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
 
@@ -12,7 +13,7 @@ const WAVES: &[Statistic] = &[Spectrum, Radial];
 
 /// A setting that was given.
 struct Given {
-    flag: &'static str,
+    setting: Setting,
     value: String,
     /// The statistics it is about.
     of: &'static [Statistic],
@@ -25,50 +26,54 @@ fn given(request: &Request) -> Vec<Given> {
     let yes = |on: bool| on.then(|| "(given)".to_string());
     let convention = (request.convention != Convention::Ours).then(|| request.convention.to_string());
     let of_convention = if request.convention == Convention::Psa { &[Pcf, Spectrum, Radial] } else { WAVES };
-    type Setting = (&'static str, Option<String>, &'static [Statistic], fn(&mut Request));
-    let settings: [Setting; 23] = [
-        ("--r-max", request.r_max.map(number), PAIRS, |r| r.r_max = None),
-        ("--bins", request.bins.map(|b| b.to_string()), PAIRS, |r| r.bins = None),
-        ("--bin-scale", request.bin_scale.map(|s| lower(format!("{s:?}"))), PAIRS, |r| r.bin_scale = None),
-        ("--edges", request.edges.as_ref().map(|e| e.display().to_string()), PAIRS, |r| r.edges = None),
-        ("--beyond-half", yes(request.beyond_half), PAIRS, |r| r.beyond_half = false),
+    type Row = (Setting, Option<String>, &'static [Statistic], fn(&mut Request));
+    let settings: [Row; 23] = [
+        (Setting::RMax, request.r_max.map(number), PAIRS, |r| r.r_max = None),
+        (Setting::Bins, request.bins.map(|b| b.to_string()), PAIRS, |r| r.bins = None),
+        (Setting::BinScale, request.bin_scale.map(|s| lower(format!("{s:?}"))), PAIRS, |r| r.bin_scale = None),
+        (Setting::Edges, request.edges.as_ref().map(|e| e.display().to_string()), PAIRS, |r| r.edges = None),
+        (Setting::BeyondHalf, yes(request.beyond_half), PAIRS, |r| r.beyond_half = false),
         (
-            "--weight-column",
+            Setting::WeightColumn,
             request.input.weight_column.clone(),
             &[Pcf, KFunction, Spectrum, Radial, Covariance],
             |r| r.input.weight_column = None,
         ),
-        ("--kernel", request.kernel.map(|k| lower(format!("{k:?}"))), &[Pcf], |r| {
+        (Setting::Kernel, request.kernel.map(|k| lower(format!("{k:?}"))), &[Pcf], |r| {
             (r.kernel, r.bandwidth, r.divisor, r.exact_kernel) = (None, None, None, false)
         }),
-        ("--class-column", request.input.class_column.clone(), &[Pcf], |r| {
+        (Setting::ClassColumn, request.input.class_column.clone(), &[Pcf], |r| {
             (r.input.class_column, r.classes) = (None, None)
         }),
-        ("--correction", request.correction.map(|c| c.to_string()), &[Pcf, KFunction, PcfVector], |r| {
+        (Setting::Correction, request.correction.map(|c| c.to_string()), &[Pcf, KFunction, PcfVector], |r| {
             r.correction = None
         }),
-        ("--envelope", request.envelope.map(|n| n.to_string()), &[Pcf, KFunction, Neighbors], |r| r.envelope = None),
-        ("--lag-bins", request.lag_bins.map(|b| b.to_string()), &[PcfVector], |r| r.lag_bins = None),
-        ("--lag-max", request.lag_max.map(number), &[PcfVector], |r| r.lag_max = None),
-        ("--lag-rings", request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())), &[PcfVector], |r| {
+        (Setting::Envelope, request.envelope.map(|n| n.to_string()), &[Pcf, KFunction, Neighbors], |r| {
+            r.envelope = None
+        }),
+        (Setting::LagBins, request.lag_bins.map(|b| b.to_string()), &[PcfVector], |r| r.lag_bins = None),
+        (Setting::LagMax, request.lag_max.map(number), &[PcfVector], |r| r.lag_max = None),
+        (Setting::LagRings, request.lag_rings.as_ref().map(|r| numbers(r.iter().copied())), &[PcfVector], |r| {
             r.lag_rings = None
         }),
-        ("--max-frequency", request.max_frequency.as_deref().map(axes), WAVES, |r| r.max_frequency = None),
-        ("--frequencies", request.frequencies.as_ref().map(|f| f.display().to_string()), &[Spectrum], |r| {
+        (Setting::MaxFrequency, request.max_frequency.as_deref().map(axes), WAVES, |r| r.max_frequency = None),
+        (Setting::Frequencies, request.frequencies.as_ref().map(|f| f.display().to_string()), &[Spectrum], |r| {
             r.frequencies = None
         }),
-        ("--ring-directions", request.ring_directions.map(|n| n.to_string()), &[Radial], |r| r.ring_directions = None),
-        ("--sectors", request.sectors.map(|n| n.to_string()), WAVES, |r| r.sectors = None),
-        ("--covariance-frequency", request.covariance_frequency.map(|b| b.to_string()), &[Covariance], |r| {
+        (Setting::RingDirections, request.ring_directions.map(|n| n.to_string()), &[Radial], |r| {
+            r.ring_directions = None
+        }),
+        (Setting::Sectors, request.sectors.map(|n| n.to_string()), WAVES, |r| r.sectors = None),
+        (Setting::CovarianceFrequency, request.covariance_frequency.map(|b| b.to_string()), &[Covariance], |r| {
             r.covariance_frequency = None
         }),
-        ("--taper", request.taper.map(|t| t.to_string()), WAVES, |r| r.taper = None),
-        ("--tapers", request.tapers.map(|n| n.to_string()), WAVES, |r| r.tapers = None),
-        ("--debias", request.debias.map(|d| d.to_string()), WAVES, |r| r.debias = None),
-        ("--convention", convention, of_convention, |r| r.convention = Convention::Ours),
-        ("--bug-compatible", yes(request.bug_compatible), of_convention, |r| r.bug_compatible = false),
+        (Setting::Taper, request.taper.map(|t| t.to_string()), WAVES, |r| r.taper = None),
+        (Setting::Tapers, request.tapers.map(|n| n.to_string()), WAVES, |r| r.tapers = None),
+        (Setting::Debias, request.debias.map(|d| d.to_string()), WAVES, |r| r.debias = None),
+        (Setting::Convention, convention, of_convention, |r| r.convention = Convention::Ours),
+        (Setting::BugCompatible, yes(request.bug_compatible), of_convention, |r| r.bug_compatible = false),
     ];
-    let given = |(flag, value, of, unset): Setting| Some(Given { flag, value: value?, of, unset });
+    let given = |(setting, value, of, unset): Row| Some(Given { setting, value: value?, of, unset });
     settings.into_iter().filter_map(given).collect()
 }
 
@@ -80,19 +85,23 @@ pub(super) fn refuse_idle_settings(request: &Request) -> Result<()> {
             [others @ .., one, last] => [others, &[&format!("{one} or {last}")]].concat().join(", "),
             names => names.join(""),
         };
-        return Err(Error::setting(idle.flag, idle.value, format!("needs {names} among --stats")));
+        return Err(Error::setting(idle.setting, idle.value, format!("needs {names} among `stats`")));
     }
     if let Some(path) = request.frequencies.as_ref().filter(|_| request.stats.contains(&Radial)) {
-        let reason = "a list of wave vectors has no rings; expected --stats spectrum without radial";
-        return Err(Error::setting("--frequencies", path.display(), reason));
+        let reason = "a list of wave vectors has no rings; expected `stats` spectrum without radial";
+        return Err(Error::setting(Setting::Frequencies, path.display(), reason));
     }
     if let Some(sectors) = request.sectors.filter(|_| request.frequencies.is_some()) {
-        return Err(Error::setting("--sectors", sectors, "a list of wave vectors has none; expected no --frequencies"));
+        return Err(Error::setting(
+            Setting::Sectors,
+            sectors,
+            "a list of wave vectors has none; expected no `frequencies`",
+        ));
     }
     if let Some(n) = request.ring_directions.filter(|_| request.stats.contains(&Spectrum)) {
         let reason =
-            "leaves wave vectors out, which --stats spectrum asks for; expected --stats radial without spectrum";
-        return Err(Error::setting("--ring-directions", n, reason));
+            "leaves wave vectors out, which `stats` spectrum asks for; expected `stats` radial without spectrum";
+        return Err(Error::setting(Setting::RingDirections, n, reason));
     }
     Ok(())
 }
@@ -140,7 +149,7 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for line in LINES {
             let whole = request(line);
-            seen.extend(given(&whole).iter().map(|s| s.flag));
+            seen.extend(given(&whole).iter().map(|s| s.setting));
             // Every subset of the statistics.
             for subset in 0..1 << all.len() {
                 let stats: Vec<_> = (0..all.len()).filter(|k| subset >> k & 1 == 1).map(|k| all[k]).collect();

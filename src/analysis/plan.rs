@@ -1,7 +1,6 @@
 //! A request and the number of points -> everything decided before the first sum: a value that prints.
 
 use std::fmt;
-use std::path::Path;
 
 use super::classes::Classes;
 use super::idle::refuse_idle_settings;
@@ -16,6 +15,7 @@ use crate::plan::{
 use crate::points::Domain;
 use crate::request::lists::{read_edges, read_frequencies};
 use crate::request::{Request, Statistic};
+use crate::setting::Setting;
 use crate::source::Source;
 
 /// Everything decided before the first sum: a value that can be printed.
@@ -86,7 +86,7 @@ impl Plan {
         };
         if request.beyond_half && !domain.is_torus() {
             return Err(Error::setting(
-                "--beyond-half",
+                Setting::BeyondHalf,
                 "(given)",
                 "is about a torus; a window has its edge correction",
             ));
@@ -110,9 +110,11 @@ impl Plan {
             _ => (None, None),
         };
         let pairs = bins.map(|bins| PairPlan::new(domain, bins, settings, shape)).transpose().map_err(|e| {
-            match &request.edges {
-                Some(path) => blame_edges(e, path),
-                None => e,
+            match (e, &request.edges) {
+                (Error::Setting { setting: Setting::RMax, value, reason }, Some(path)) => {
+                    Error::setting(Setting::Edges, path.display(), format!("its last edge {value}: {reason}"))
+                }
+                (other, _) => other,
             }
         })?;
         let lags = wants(Statistic::PcfVector).then(|| lags(request, domain, correction, shape)).transpose()?;
@@ -120,7 +122,12 @@ impl Plan {
         let bins = pairs.as_ref().map(|p| &p.bins);
         let neighbors = wants(Statistic::Neighbors).then(|| NeighborPlan::new(domain, bins, shape)).transpose()?;
         let waves = (wants(Statistic::Spectrum) || wants(Statistic::Radial))
-            .then(|| waves(request, domain, shape).map_err(|e| blame_frequencies(e, request)))
+            .then(|| {
+                waves(request, domain, shape).map_err(|e| match &request.max_frequency {
+                    Some(typed) => e.as_typed(Setting::MaxFrequency, axes(typed)),
+                    None => e,
+                })
+            })
             .transpose()?;
         let grid_wanted = wants(Statistic::Spectrum);
         let waves = waves.map(|w| WavePlan { rings_only: !grid_wanted && w.rings.count > 0, ..w });
@@ -147,8 +154,8 @@ impl Plan {
         let simulations = simulations(request, values as u64)?;
         if let (Some(n), Some(column)) = (request.envelope, &request.input.weight_column) {
             let reason =
-                format!("simulated points would have no weights, those of the file have (--weight-column {column})");
-            return Err(Error::setting("--envelope", n, reason));
+                format!("simulated points would have no weights, those of the file have (`weight_column` {column})");
+            return Err(Error::setting(Setting::Envelope, n, reason));
         }
         Ok(Self {
             pcf,
@@ -220,7 +227,7 @@ fn simulations(request: &Request, values: u64) -> Result<u64> {
         return Ok(simulations);
     }
     let reason = format!("expected 1 to {largest} simulations of {values} values each");
-    Err(Error::setting("--envelope", simulations, reason))
+    Err(Error::setting(Setting::Envelope, simulations, reason))
 }
 
 /// K counts from 0 on, and L compares it with balls.
@@ -229,15 +236,15 @@ fn check_bins_of_k(request: &Request, bins: &RadialBins, domain: &Domain) -> Res
     if first > 0.0 {
         let reason = format!("K counts all pairs closer than r: bins must start at 0, not at {first}");
         return Err(match &request.edges {
-            Some(path) => Error::setting("--edges", path.display(), reason),
-            None => Error::setting("--bin-scale", "log", reason),
+            Some(path) => Error::setting(Setting::Edges, path.display(), reason),
+            None => Error::setting(Setting::BinScale, "log", reason),
         });
     }
     let limit = domain.shortest_side() / 2.0;
     if request.beyond_half && bins.r_max() > limit {
         let reason =
-            format!("K and L compare with whole balls, which fit up to r = {limit}; expected --stats pcf alone");
-        return Err(Error::setting("--beyond-half", "(given)", reason));
+            format!("K and L compare with whole balls, which fit up to r = {limit}; expected `stats` pcf alone");
+        return Err(Error::setting(Setting::BeyondHalf, "(given)", reason));
     }
     Ok(())
 }
@@ -247,7 +254,7 @@ pub(super) fn check_points(pairs: bool, shape: EnsembleShape) -> Result<()> {
     let reason = match shape.max_points {
         0 => "no realization has any points; nothing can be measured",
         1 if pairs => {
-            "pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1"
+            "pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; `stats` spectrum works with 1"
         }
         _ => return Ok(()),
     };
@@ -305,17 +312,6 @@ impl fmt::Display for Plan {
     }
 }
 
-/// An error about distances, told of the file they came from.
-fn blame_edges(error: Error, path: &Path) -> Error {
-    match error {
-        Error::Setting { flag: "--r-max", value, reason } => {
-            Error::setting("--edges", path.display(), format!("its last edge {value}: {reason}"))
-        }
-        Error::Setting { flag: "--edges" | "--bins", reason, .. } => Error::setting("--edges", path.display(), reason),
-        other => other,
-    }
-}
-
 /// The wave vectors a request asks for, with tapers, rings and sectors.
 fn waves(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<WavePlan> {
     let frequencies = match (request.max_frequency.as_deref(), request.convention.max_frequency(shape.max_points)) {
@@ -339,16 +335,6 @@ fn waves(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<Wav
     match sectors {
         Some(count) => plan.with_sectors(count),
         None => Ok(plan),
-    }
-}
-
-/// An error about the frequencies of each axis, with what was typed.
-fn blame_frequencies(error: Error, request: &Request) -> Error {
-    match (error, &request.max_frequency) {
-        (Error::Setting { flag: flag @ "--max-frequency", reason, .. }, Some(typed)) => {
-            Error::setting(flag, axes(typed), reason)
-        }
-        (other, _) => other,
     }
 }
 
@@ -410,13 +396,13 @@ fn psa_pairs(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result
 /// The tapers a request asks for.
 fn taper(request: &Request, domain: &Domain) -> Result<TaperPlan> {
     let given = [
-        ("--taper", request.taper.map(|t| t.to_string())),
-        ("--tapers", request.tapers.map(|n| n.to_string())),
-        ("--debias", request.debias.map(|d| d.to_string())),
+        (Setting::Taper, request.taper.map(|t| t.to_string())),
+        (Setting::Tapers, request.tapers.map(|n| n.to_string())),
+        (Setting::Debias, request.debias.map(|d| d.to_string())),
     ];
-    for (flag, value) in given {
+    for (setting, value) in given {
         if let Some(value) = value.filter(|_| domain.is_torus()) {
-            return Err(Error::setting(flag, value, "is about a window; a torus cuts nothing off"));
+            return Err(Error::setting(setting, value, "is about a window; a torus cuts nothing off"));
         }
     }
     let (kind, debias) = (request.taper.unwrap_or_default(), request.debias.unwrap_or_default());
@@ -436,24 +422,26 @@ pub(super) fn check_convention(request: &Request, domain: &Domain, shape: Ensemb
             number(shape.mean_points),
             shape.max_points
         );
-        return Err(Error::setting("--convention", name, reason));
+        return Err(Error::setting(Setting::Convention, name, reason));
     }
     let theirs = request.convention.pair_bins(shape.max_points).is_some() && request.stats.contains(&Statistic::Pcf);
     let refused = [
-        ("--weight-column", request.input.weight_column.is_some(), "has no weights of points"),
-        ("--frequencies", request.frequencies.is_some(), "has a grid of its own"),
-        ("--ring-directions", request.ring_directions.is_some(), "takes every wave vector of a ring"),
-        ("--sectors", request.sectors.is_some(), "has no directions"),
-        ("--r-max", theirs && request.r_max.is_some(), "has bins of its own"),
-        ("--bins", theirs && request.bins.is_some(), "has bins of its own"),
-        ("--bin-scale", theirs && request.bin_scale.is_some(), "has bins of its own"),
-        ("--edges", theirs && request.edges.is_some(), "has bins of its own"),
-        ("--beyond-half", theirs && request.beyond_half, "has bins of its own"),
-        ("--kernel", theirs && request.kernel.is_some(), "has no smoothed g"),
-        ("--normalization", theirs && request.normalization != Normalization::Pairs, "divides by n(n-1)"),
+        (Setting::WeightColumn, request.input.weight_column.is_some(), "has no weights of points"),
+        (Setting::Frequencies, request.frequencies.is_some(), "has a grid of its own"),
+        (Setting::RingDirections, request.ring_directions.is_some(), "takes every wave vector of a ring"),
+        (Setting::Sectors, request.sectors.is_some(), "has no directions"),
+        (Setting::RMax, theirs && request.r_max.is_some(), "has bins of its own"),
+        (Setting::Bins, theirs && request.bins.is_some(), "has bins of its own"),
+        (Setting::BinScale, theirs && request.bin_scale.is_some(), "has bins of its own"),
+        (Setting::Edges, theirs && request.edges.is_some(), "has bins of its own"),
+        (Setting::BeyondHalf, theirs && request.beyond_half, "has bins of its own"),
+        (Setting::Kernel, theirs && request.kernel.is_some(), "has no smoothed g"),
+        (Setting::Normalization, theirs && request.normalization != Normalization::Pairs, "divides by n(n-1)"),
     ];
     match refused.iter().find(|(_, given, _)| *given) {
-        Some((flag, _, why)) => Err(Error::setting("--convention", &name, format!("{why}; leave out {flag}"))),
+        Some((setting, _, why)) => {
+            Err(Error::setting(Setting::Convention, &name, format!("{why}; leave out `{setting}`")))
+        }
         None => Ok(()),
     }
 }
@@ -464,7 +452,7 @@ fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBi
         let width = width * domain.shortest_side();
         if bins == 0 {
             let reason = "has n/8 bins of g, so that it needs at least 8 points";
-            return Err(Error::setting("--convention", request.convention, reason));
+            return Err(Error::setting(Setting::Convention, request.convention, reason));
         }
         // Beyond half the diagonal of a torus there are no pairs.
         let edges = (0..=bins).map(|k| k as f64 * width);
@@ -472,7 +460,7 @@ fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBi
     }
     if let Some(path) = &request.edges {
         // What is wrong with them is wrong in that file.
-        return RadialBins::from_edges(read_edges(path)?).map_err(|e| blame_edges(e, path));
+        return RadialBins::from_edges(read_edges(path)?).map_err(|e| e.in_file(Setting::Edges, path));
     }
     let mut default = PairPlan::default_r_max(domain, mean_points);
     if request.correction == Some(Correction::Border) {
@@ -482,7 +470,7 @@ fn bins(request: &Request, domain: &Domain, mean_points: f64) -> Result<RadialBi
     let r_max = request.r_max.unwrap_or(default);
     // Written so that NaN fails.
     if !(r_max > 0.0 && r_max.is_finite()) {
-        return Err(Error::setting("--r-max", number(r_max), "expected a finite number above 0"));
+        return Err(Error::setting(Setting::RMax, number(r_max), "expected a finite number above 0"));
     }
     let bins = request.bins.unwrap_or(256);
     match request.bin_scale.unwrap_or(BinScale::Linear) {

@@ -15,6 +15,7 @@ use crate::plan::LEAF;
 use crate::plan::{Batch, EnsembleShape, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::request::{PointsRequest, Request};
+use crate::setting::Setting;
 use crate::source::Source;
 
 /// Seconds that a step aims at, so that whoever takes steps can look up between them.
@@ -351,11 +352,15 @@ impl Running {
 fn plan(request: &Request, source: &Source, compute: &dyn Compute) -> Result<Plan> {
     let plan = Plan::of(request, source)?.for_device(compute);
     if plan.search.is_some() {
-        return Err(Error::setting("--bandwidth", "lscv", "needs all realizations at once: not while they come in"));
+        return Err(Error::setting(
+            Setting::Bandwidth,
+            "lscv",
+            "needs all realizations at once: not while they come in",
+        ));
     }
     if plan.simulations > 0 {
         return Err(Error::setting(
-            "--envelope",
+            Setting::Envelope,
             plan.simulations,
             "needs all realizations at once: not while they come in",
         ));

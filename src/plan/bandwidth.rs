@@ -3,6 +3,7 @@
 use super::{EnsembleShape, PairPlan, PairSettings, RadialBins, SmoothingKernel, longest_distance};
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// How the bandwidth is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,7 +117,7 @@ impl BandwidthSearch {
                 "needs r between {lossless:.4e}, below which kernels lose mass, and {:.4e}, beyond which they reach too far",
                 limit - shape.reach() * largest
             );
-            return Err(Error::setting("--bandwidth", "lscv", reason));
+            return Err(Error::setting(Setting::Bandwidth, "lscv", reason));
         }
         let bins = (range / smallest * BINS_PER_BANDWIDTH).ceil().min(MAX_SEARCH_BINS);
         let pairs = PairPlan::new(domain, RadialBins::linear(range, bins as usize)?, settings, ensemble)?;

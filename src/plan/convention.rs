@@ -4,6 +4,7 @@
 use super::{Debias, WaveGrid, WavePlan};
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// A program whose published numbers are to be reproduced from the same points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
@@ -37,24 +38,24 @@ pub(super) struct RingRule {
 impl Convention {
     /// The flag and everything that its program could not do.
     pub fn check(self, domain: &Domain, bug_compatible: bool) -> Result<()> {
-        let fail = |reason: &str| Err(Error::setting("--convention", self, reason));
+        let fail = |reason: &str| Err(Error::setting(Setting::Convention, self, reason));
         match self {
             Self::Ours => {
                 if bug_compatible {
-                    let reason = "needs --convention psa or utk: it copies the defects of that program";
-                    return Err(Error::setting("--bug-compatible", "(given)", reason));
+                    let reason = "needs `convention` psa or utk: it copies the defects of that program";
+                    return Err(Error::setting(Setting::BugCompatible, "(given)", reason));
                 }
                 return Ok(());
             }
-            _ if !domain.is_torus() => return fail("is for a torus; a window has --taper and --debias"),
+            _ if !domain.is_torus() => return fail("is for a torus; a window has `taper` and `debias`"),
             _ if !domain.is_cubic() => return fail("is for a torus with equal sides"),
             Self::Psa | Self::Pspec if domain.dim() != 2 => return fail("that program knows two dimensions only"),
             _ => {}
         }
         if bug_compatible && self == Self::Pspec {
             let reason =
-                "no defect of pspec shows in numbers that the same points determine; expected --convention psa or utk";
-            return Err(Error::setting("--bug-compatible", "(given)", reason));
+                "no defect of pspec shows in numbers that the same points determine; expected `convention` psa or utk";
+            return Err(Error::setting(Setting::BugCompatible, "(given)", reason));
         }
         Ok(())
     }
@@ -133,8 +134,8 @@ impl WavePlan {
         let f = &grid.max_frequency()[..grid.dim()];
         if convention != Convention::Ours && (f.iter().any(|&k| k != f[0]) || f[0] < 2) {
             let given = f.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-            let reason = "--convention needs one number for all axes, and at least 2";
-            return Err(Error::setting("--max-frequency", given, reason));
+            let reason = "`convention` needs one number for all axes, and at least 2";
+            return Err(Error::setting(Setting::MaxFrequency, given, reason));
         }
         let rings = match convention.rings(grid, self.shape.max_points) {
             Some(rule) => super::Rings::by(&rule, grid, bug_compatible && convention == Convention::Utk),

@@ -6,6 +6,7 @@ use super::{Batch, EnsembleShape, WaveGrid};
 use crate::accumulate::WaveCovariance;
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// Matrices that would take more are refused: 8 GiB.
 const MOST_BYTES: u128 = 1 << 33;
@@ -38,7 +39,7 @@ impl CovariancePlan {
                     "{modes} wave vectors, each with each, take {bytes} bytes; expected 1 to {most} ({MOST_BYTES} bytes at most)"
                 ),
             };
-            return Err(Error::setting("--covariance-frequency", largest, reason));
+            return Err(Error::setting(Setting::CovarianceFrequency, largest, reason));
         }
         let grid = WaveGrid::new(&vec![largest; dim])?;
         let batch = Batch::new(shape.realizations, shape.max_points * 24);

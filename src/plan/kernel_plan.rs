@@ -5,6 +5,7 @@ use std::fmt;
 use super::{Correction, Divisor, EnsembleShape, Kernel, PairPlan, PairSettings, RadialBins, SmoothingKernel};
 use crate::error::{Error, Result, number};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// Fine bins per bandwidth, where `MAX_FINE_BINS` allows. A pair is spread evenly over its fine bin, so its distance is
 /// off by at most half of it (bandwidth / 8192) either way: g moves by at most about 1e-5 of max(1, g) even where a kernel
@@ -79,12 +80,12 @@ impl KernelPlan {
         let settings = PairSettings { cumulative: false, ..settings.into() };
         if settings.correction == Correction::Border {
             let reason = "a kernel estimate weighs pairs; expected translation, isotropic or none";
-            return Err(Error::setting("--correction", settings.correction, reason));
+            return Err(Error::setting(Setting::Correction, settings.correction, reason));
         }
         // Written so that NaN fails.
         if !(kernel.bandwidth > 0.0 && kernel.bandwidth < domain.shortest_side()) {
             let reason = format!("expected more than 0 and less than the shortest side ({})", domain.shortest_side());
-            return Err(Error::setting("--bandwidth", number(kernel.bandwidth), reason));
+            return Err(Error::setting(Setting::Bandwidth, number(kernel.bandwidth), reason));
         }
         let last = r.last().copied().unwrap_or(0.0);
         let range = (last + kernel.reach()).min(longest_distance(domain, settings.correction));

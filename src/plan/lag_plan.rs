@@ -6,6 +6,7 @@ use super::radial_bins::mantissa_exponent;
 use super::{Batch, Correction, EnsembleShape};
 use crate::error::{Error, Result, number, numbers};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// Most bins per axis.
 pub const MAX_LAG_BINS: usize = 1 << 16;
@@ -36,7 +37,7 @@ impl LagGrid {
         if !fitting {
             let most = (1..=MAX_LAG_BINS).rev().find(|b| b.checked_pow(dim).is_some_and(|c| c <= MAX_LAG_CELLS));
             let reason = format!("expected 1 to {} bins per axis in {dim}D", most.unwrap_or(1));
-            return Err(Error::setting("--lag-bins", bins, reason));
+            return Err(Error::setting(Setting::LagBins, bins, reason));
         }
         let whole: Vec<f64> = domain.sides().iter().map(|&a| if domain.is_torus() { a / 2.0 } else { a }).collect();
         if let Some(h) = lag_max {
@@ -45,7 +46,7 @@ impl LagGrid {
             if !(h > 0.0 && h <= limit) {
                 let what = if domain.is_torus() { "half the shortest side" } else { "the shortest side of the window" };
                 let reason = format!("expected a number above 0 and at most {what} ({limit})");
-                return Err(Error::setting("--lag-max", number(h), reason));
+                return Err(Error::setting(Setting::LagMax, number(h), reason));
             }
         }
         let half: Vec<f64> = whole.iter().map(|&w| lag_max.unwrap_or(w)).collect();
@@ -244,12 +245,12 @@ impl LagPlan {
         match correction {
             Correction::None => {}
             other if domain.is_torus() => {
-                return Err(Error::setting("--correction", other, "a torus has no edges; use none"));
+                return Err(Error::setting(Setting::Correction, other, "a torus has no edges; use none"));
             }
             Correction::Translation => {}
             other => {
                 let reason = "the vector g is corrected by the set covariance of the window: use translation, or none";
-                return Err(Error::setting("--correction", other, reason));
+                return Err(Error::setting(Setting::Correction, other, reason));
             }
         }
         let sectors = sectors(domain, &grid, rings, shape)?;
@@ -290,7 +291,7 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
         return match rings {
             Some(r) => {
                 let reason = format!("rings are followed round in 2D, the points have {} coordinates", domain.dim());
-                Err(Error::setting("--lag-rings", numbers(r.iter().copied()), reason))
+                Err(Error::setting(Setting::LagRings, numbers(r.iter().copied()), reason))
             }
             None => Ok(Vec::new()),
         };
@@ -305,7 +306,7 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
                     "rings are two cells wide ({width}) and fit into the grid of lags: expected more than {least} and \
                      at most {most}"
                 );
-                return Err(Error::setting("--lag-rings", number(r), reason));
+                return Err(Error::setting(Setting::LagRings, number(r), reason));
             }
             radii.to_vec()
         }

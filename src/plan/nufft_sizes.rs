@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::WaveGrid;
 use crate::error::{Error, Result, number};
+use crate::setting::Setting;
 
 /// Widest kernel, in cells: two vectors of eight f64.
 pub const MAX_KERNEL_WIDTH: usize = 16;
@@ -69,7 +70,7 @@ impl NufftSizes {
     pub fn new(grid: &WaveGrid, tolerance: f64, points: f64) -> Result<Self> {
         if !TOLERANCES.contains(&tolerance) {
             let reason = format!("expected {} to {}", number(*TOLERANCES.start()), number(*TOLERANCES.end()));
-            return Err(Error::setting("--tolerance", number(tolerance), reason));
+            return Err(Error::setting(Setting::Tolerance, number(tolerance), reason));
         }
         let f = grid.max_frequency().map(|f| f as usize);
         let axes: Vec<usize> = (0..grid.dim()).filter(|&a| a == 0 || f[a] > 0).collect();
@@ -85,7 +86,7 @@ impl NufftSizes {
         let possible = UPSAMPLING.map(with).into_iter().filter(|sizes| sizes.width <= MAX_KERNEL_WIDTH);
         possible
             .min_by(|a, b| time(a).total_cmp(&time(b)))
-            .ok_or_else(|| Error::setting("--tolerance", number(tolerance), "no kernel is wide enough"))
+            .ok_or_else(|| Error::setting(Setting::Tolerance, number(tolerance), "no kernel is wide enough"))
     }
 
     /// How much finer than its frequencies axis `a` is.

@@ -6,6 +6,7 @@ use super::ring_measure::ring_measure;
 use super::{Batch, BinFilter, EnsembleShape, PairSearch, RadialBins, SearchCosts, SearchEstimate};
 use crate::error::{Error, Result, number};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// How pairs near the edge of a window are weighted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
@@ -163,7 +164,7 @@ fn check_correction(domain: &Domain, correction: Correction, masses: bool) -> Re
         Correction::Border if masses => "counts points, not weights; expected translation, isotropic or none",
         _ => return Ok(()),
     };
-    Err(Error::setting("--correction", correction, reason))
+    Err(Error::setting(Setting::Correction, correction, reason))
 }
 
 /// Up to where each way of counting is right: on a torus a ball must not meet itself; in a window every direction of a
@@ -180,7 +181,7 @@ fn check_r_max(domain: &Domain, correction: Correction, beyond_half: bool, r_max
             r_max <= side / 2.0,
             format!(
                 "beyond half the shortest side ({0}) a ring does not fit into the torus and g would be under-counted; \
-                 expected at most {0}, or --beyond-half, which compares with the part that fits",
+                 expected at most {0}, or `beyond_half`, which compares with the part that fits",
                 side / 2.0
             ),
         ),
@@ -203,7 +204,7 @@ fn check_r_max(domain: &Domain, correction: Correction, beyond_half: bool, r_max
             ),
         ),
     };
-    if fits { Ok(()) } else { Err(Error::setting("--r-max", number(r_max), reason)) }
+    if fits { Ok(()) } else { Err(Error::setting(Setting::RMax, number(r_max), reason)) }
 }
 
 impl fmt::Display for PairPlan {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// How bin edges are spaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
@@ -46,7 +47,7 @@ impl RadialBins {
     /// Bins with the given edges. Edges that are equal steps from 0 are recognised as linear.
     pub fn from_edges(edges: Vec<f64>) -> Result<Self> {
         if edges.len() < 2 {
-            return Err(Error::setting("--edges", edges.len(), "at least two edges are needed"));
+            return Err(Error::setting(Setting::Edges, edges.len(), "at least two edges are needed"));
         }
         check_count(edges.len() - 1)?;
         let mut bins = Self::checked(edges, BinScale::Given)?;
@@ -59,7 +60,7 @@ impl RadialBins {
     }
 
     fn checked(edges: Vec<f64>, scale: BinScale) -> Result<Self> {
-        let flag = if scale == BinScale::Given { "--edges" } else { "--r-max" };
+        let setting = if scale == BinScale::Given { Setting::Edges } else { Setting::RMax };
         for (k, pair) in edges.windows(2).enumerate() {
             // Written so that NaN fails.
             if !(pair[0] >= 0.0 && pair[1] > pair[0] && pair[1].is_finite()) {
@@ -70,7 +71,7 @@ impl RadialBins {
                     k + 1,
                     pair[1]
                 );
-                return Err(Error::setting(flag, format!("{:e}", pair[1]), reason));
+                return Err(Error::setting(setting, format!("{:e}", pair[1]), reason));
             }
         }
         Ok(Self { edges, scale })
@@ -128,7 +129,7 @@ impl RadialBins {
             .map(|&edge| {
                 squared_ratio_ceil(edge, unit).ok_or_else(|| {
                     let reason = format!("is beyond the longest distance in a box with length unit {unit}");
-                    Error::setting("--r-max", edge, reason)
+                    Error::setting(Setting::RMax, edge, reason)
                 })
             })
             .collect()
@@ -139,7 +140,7 @@ fn check_count(bins: usize) -> Result<()> {
     if (1..=MAX_BINS).contains(&bins) {
         return Ok(());
     }
-    Err(Error::setting("--bins", bins, format!("expected 1 to {MAX_BINS}")))
+    Err(Error::setting(Setting::Bins, bins, format!("expected 1 to {MAX_BINS}")))
 }
 
 /// `ceil(2^128 (r / unit)^2)`, or `None` where that needs more than 128 bits. Exact: both are integers times powers

@@ -7,6 +7,7 @@ use super::wave_vectors::check_vectors;
 use super::{MAX_FREQUENCY, WaveList};
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// The inverse of the golden ratio.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -25,7 +26,7 @@ impl WaveList {
     /// more than `directions` such pairs is taken whole.
     pub fn ring_directions(domain: &Domain, max_frequency: &[u32], directions: u64) -> Result<Self> {
         if directions == 0 {
-            return Err(Error::setting("--ring-directions", directions, "expected at least 1"));
+            return Err(Error::setting(Setting::RingDirections, directions, "expected at least 1"));
         }
         if max_frequency.len() != domain.dim() || max_frequency.iter().any(|&f| f > MAX_FREQUENCY) {
             let reason = format!(
@@ -33,11 +34,11 @@ impl WaveList {
                 domain.dim()
             );
             let value = numbers(max_frequency.iter().map(|&f| f64::from(f)));
-            return Err(Error::setting("--max-frequency", value, reason));
+            return Err(Error::setting(Setting::MaxFrequency, value, reason));
         }
         let rings = Annuli::new(domain);
         let count = whole_rings(max_frequency, &rings.ratios);
-        check_vectors(count as u128 * u128::from(directions), "--ring-directions", directions)?;
+        check_vectors(count as u128 * u128::from(directions), Setting::RingDirections, directions)?;
         let mut vectors = Vec::new();
         for k in 1..=count {
             let few = rings.members(k, directions as usize);

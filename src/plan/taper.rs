@@ -4,6 +4,7 @@
 
 use super::{WavePlan, WaveVectors};
 use crate::error::{Error, Result};
+use crate::setting::Setting;
 use crate::sinc::{sin_pi, sinc};
 
 /// The taper of a window's spectrum. A taper t has `integral t^2 = 1`; here it is held as `f = t sqrt |W|`, the product over
@@ -77,10 +78,10 @@ impl TaperPlan {
         let orders = orders.unwrap_or(1);
         if !(1..=MAX_TAPERS).contains(&orders) || orders.pow(dim as u32) > MAX_TAPERS {
             let most = (1..=MAX_TAPERS).take_while(|n| n.pow(dim as u32) <= MAX_TAPERS).count();
-            return Err(Error::setting("--tapers", orders, format!("expected 1 to {most} per axis")));
+            return Err(Error::setting(Setting::Tapers, orders, format!("expected 1 to {most} per axis")));
         }
         if let Some(n) = given {
-            return Err(Error::setting("--tapers", n, "needs --taper sine; Bartlett's taper is one"));
+            return Err(Error::setting(Setting::Tapers, n, "needs `taper` sine; Bartlett's taper is one"));
         }
         Ok(Self { taper, orders, debias })
     }

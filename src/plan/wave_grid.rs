@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// All integer wave vectors `m` with `|m_k| <= F_k`. Only `m_0 >= 0` is computed and stored: `P(-m) = P(m)`.
 ///
@@ -31,7 +32,7 @@ impl WaveGrid {
         let mut all = [0; 3];
         for (a, &f) in all.iter_mut().zip(max_frequency) {
             if f > MAX_FREQUENCY {
-                return Err(Error::setting("--max-frequency", f, format!("expected at most {MAX_FREQUENCY}")));
+                return Err(Error::setting(Setting::MaxFrequency, f, format!("expected at most {MAX_FREQUENCY}")));
             }
             *a = f;
         }
@@ -41,9 +42,9 @@ impl WaveGrid {
             let value = max_frequency.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
             let gib = (modes * BYTES_PER_MODE) >> 30;
             let reason = format!(
-                "{modes} wave vectors need about {gib} GiB; at most {MAX_MODES} are supported (rings alone: --stats radial --ring-directions N)"
+                "{modes} wave vectors need about {gib} GiB; at most {MAX_MODES} are supported (rings alone: `stats` radial `ring_directions` N)"
             );
-            return Err(Error::setting("--max-frequency", value, reason));
+            return Err(Error::setting(Setting::MaxFrequency, value, reason));
         }
         Ok(grid)
     }

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// Everything decided about the power spectrum before any phase is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +54,7 @@ impl WavePlan {
                 1 => "expected 1 number for points with 1 coordinate".into(),
                 dim => format!("expected 1 or {dim} numbers for points with {dim} coordinates"),
             };
-            return Err(Error::setting("--max-frequency", numbers(given.iter().map(|&f| f64::from(f))), reason));
+            return Err(Error::setting(Setting::MaxFrequency, numbers(given.iter().map(|&f| f64::from(f))), reason));
         }
         let rings = Rings::new(&waves, domain);
         let bytes = shape.max_points * 24 + waves.len() as u64 * 8;

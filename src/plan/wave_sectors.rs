@@ -3,6 +3,7 @@
 use super::{Rings, WaveVectors};
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// Sectors where none are asked for: of 10 degrees.
 pub const DEFAULT_SECTORS: usize = 18;
@@ -27,10 +28,10 @@ impl Sectors {
     pub fn new(count: usize, waves: &WaveVectors, rings: &Rings, domain: &Domain) -> Result<Self> {
         if domain.dim() != 2 {
             let reason = format!("directions are followed in 2D, the points are in {}D", domain.dim());
-            return Err(Error::setting("--sectors", count, reason));
+            return Err(Error::setting(Setting::Sectors, count, reason));
         }
         if !(1..=MAX_SECTORS).contains(&count) {
-            return Err(Error::setting("--sectors", count, format!("expected 1 to {MAX_SECTORS}")));
+            return Err(Error::setting(Setting::Sectors, count, format!("expected 1 to {MAX_SECTORS}")));
         }
         let sector = |index: usize| {
             let [x, y, _] = waves.frequency(index, domain);

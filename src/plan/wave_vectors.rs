@@ -3,6 +3,7 @@
 use super::WaveGrid;
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 /// The wave vectors of a spectrum, in cycles per side of the domain along each axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,21 +32,21 @@ const BYTES_PER_VECTOR: u128 = 256;
 const MOST_BYTES: u128 = 1 << 34;
 
 impl WaveList {
-    /// Whether there is memory for it. `flag` and `value` are where it comes from.
-    pub(crate) fn check_size(&self, flag: &'static str, value: impl ToString) -> Result<()> {
-        check_vectors(self.vectors.len() as u128, flag, value)
+    /// Whether there is memory for it. `setting` and `value` are where it comes from.
+    pub(crate) fn check_size(&self, setting: Setting, value: impl ToString) -> Result<()> {
+        check_vectors(self.vectors.len() as u128, setting, value)
     }
 }
 
 /// Whether there is memory for so many wave vectors.
-pub(super) fn check_vectors(vectors: u128, flag: &'static str, value: impl ToString) -> Result<()> {
+pub(super) fn check_vectors(vectors: u128, setting: Setting, value: impl ToString) -> Result<()> {
     let bytes = vectors * BYTES_PER_VECTOR;
     if bytes <= MOST_BYTES {
         return Ok(());
     }
     let most = MOST_BYTES / BYTES_PER_VECTOR;
     let reason = format!("{vectors} wave vectors take {bytes} bytes; expected at most {most} ({MOST_BYTES} bytes)");
-    Err(Error::setting(flag, value, reason))
+    Err(Error::setting(setting, value, reason))
 }
 
 impl WaveVectors {

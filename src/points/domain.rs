@@ -1,6 +1,7 @@
 //! Where points live: a torus that wraps, or a rectangular window that does not.
 
 use crate::error::{Error, Result, numbers};
+use crate::setting::Setting;
 
 /// What happens at the sides of the box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
@@ -28,20 +29,20 @@ impl Domain {
 
     /// A torus `[0, L_k)` with the given sides.
     pub fn torus(sides: &[f64]) -> Result<Self> {
-        Self::checked(Boundary::Torus, vec![0.0; sides.len()], sides.to_vec(), "--box", "L1,L2[,L3]")
+        Self::checked(Boundary::Torus, vec![0.0; sides.len()], sides.to_vec(), Setting::Sides, "L1,L2[,L3]")
     }
 
     /// A window given as `(low, high)` per axis.
     pub fn window(ranges: &[(f64, f64)]) -> Result<Self> {
         let origin = ranges.iter().map(|r| r.0).collect();
         let sides = ranges.iter().map(|r| r.1 - r.0).collect();
-        Self::checked(Boundary::Window, origin, sides, "--window", "x0,x1,y0,y1[,z0,z1] with x0 < x1")
+        Self::checked(Boundary::Window, origin, sides, Setting::Window, "x0,x1,y0,y1[,z0,z1] with x0 < x1")
     }
 
-    fn checked(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>, flag: &'static str, form: &str) -> Result<Self> {
+    fn checked(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>, setting: Setting, form: &str) -> Result<Self> {
         if !(1..=3).contains(&sides.len()) {
             let reason = format!("1, 2 or 3 axes are supported; expected {form}");
-            return Err(Error::setting(flag, format!("{} axes", sides.len()), reason));
+            return Err(Error::setting(setting, format!("{} axes", sides.len()), reason));
         }
         let typed = || match boundary {
             Boundary::Torus => numbers(sides.iter().copied()),
@@ -51,13 +52,13 @@ impl Domain {
             // The square of a side and its inverse must stay normal numbers: distances are compared squared.
             if !(o.is_finite() && s.is_finite() && s > 1e-100 && s < 1e100 && o.abs() < 1e100) {
                 let reason = format!("every side must be finite and between 1e-100 and 1e100; expected {form}");
-                return Err(Error::setting(flag, typed(), reason));
+                return Err(Error::setting(setting, typed(), reason));
             }
         }
         let (min, max) = (min_of(&sides), max_of(&sides));
         if max / min > 1e6 {
             let reason = "the longest side may be at most 1e6 times the shortest";
-            return Err(Error::setting(flag, typed(), reason));
+            return Err(Error::setting(setting, typed(), reason));
         }
         Ok(Self { boundary, origin, sides })
     }

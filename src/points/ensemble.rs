@@ -262,10 +262,10 @@ fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> E
         format!("{name} = {x_text} is not a finite number")
     } else if domain.is_torus() {
         format!(
-            "{name} = {x_text} is outside [{lo}, {hi}); --wrap folds points in, --box sets the sides, --window a window"
+            "{name} = {x_text} is outside [{lo}, {hi}); `wrap` folds points in, `sides` sets the sides, `window` a window"
         )
     } else {
-        format!("{name} = {x_text} is outside the window [{lo}, {hi}]; --window x0,x1,y0,y1 sets it")
+        format!("{name} = {x_text} is outside the window [{lo}, {hi}]; `window` x0,x1,y0,y1 sets it")
     };
     Error::input(set.place(j), reason)
 }

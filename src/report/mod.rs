@@ -45,6 +45,7 @@ use rustfft::num_complex::Complex;
 
 use crate::analysis::Analysis;
 use crate::error::{Error, Result};
+use crate::setting::Setting;
 
 /// Marks a result; last to arrive and first to go, so that where it is, all of its result is.
 const SUMMARY: &str = "summary.json";
@@ -89,7 +90,7 @@ const FILES: &[&str] = &[
 
 /// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind.
 pub fn check_out(dir: &Path, force: bool) -> Result<()> {
-    let setting = |reason: String| Err(Error::setting("--out", dir.display(), reason));
+    let setting = |reason: String| Err(Error::setting(Setting::Out, dir.display(), reason));
     if dir.as_os_str().is_empty() {
         return setting("expected a directory".into());
     }
@@ -103,11 +104,11 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
             }
             let ours = |name: &str| !force && dir.join(name).symlink_metadata().is_ok();
             if ours(SUMMARY) {
-                return setting("holds a result already; --force replaces it".into());
+                return setting("holds a result already; `force` replaces it".into());
             }
             // Not a result, perhaps somebody's own file of that name: no reason to lose it.
             if let Some(name) = FILES.iter().find(|f| ours(f)) {
-                return setting(format!("holds a file {name} already; --force replaces it"));
+                return setting(format!("holds a file {name} already; `force` replaces it"));
             }
         }
         Err(e) if e.kind() == io::ErrorKind::NotFound => {

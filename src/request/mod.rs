@@ -4,6 +4,7 @@
 mod device;
 pub mod lists;
 mod setting;
+mod settings;
 
 use std::path::PathBuf;
 
@@ -72,7 +73,7 @@ pub struct PointsRequest {
     pub params: Vec<String>,
 
     /// Read files as raw little-endian numbers, e.g. f32x2
-    #[arg(long, value_name = "TYPExD", conflicts_with = "sampler")]
+    #[arg(long, value_name = "TYPExD", conflicts_with = "sampler", value_parser = raw_layout)]
     pub raw: Option<RawLayout>,
 
     /// The column that holds the weight of each point, by its name or its number from 1
@@ -245,6 +246,10 @@ where
     serializer.collect_seq(paths.into_iter().map(|path| path.to_string_lossy()))
 }
 
+fn raw_layout(text: &str) -> Result<RawLayout, String> {
+    text.parse().map_err(|error: Error| error.told(crate::Setting::flag))
+}
+
 /// A request as a command of its own.
 #[derive(clap::Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
@@ -267,7 +272,7 @@ impl Request {
         let arguments: Vec<String> = arguments.into_iter().collect();
         Typed::try_parse_from(&arguments)
             .map(|typed| typed.request)
-            .map_err(|error| Error::setting("pairwave analyze", shell_words(&arguments), in_a_line(&error)))
+            .map_err(|error| Error::Arguments { arguments: shell_words(&arguments), reason: in_a_line(&error) })
     }
 
     /// The shortest arguments of `pairwave analyze` that make this request: what has its default is left out, and files

@@ -71,7 +71,7 @@ impl Request {
             });
         let mut with = Typed::try_parse_from(&arguments).map(|typed| typed.request).map_err(|error| {
             let (flag, value) = (setting.flag.as_str(), shell_words([text]));
-            Error::setting("pairwave analyze", format!("{flag} {value}"), super::in_a_line(&error))
+            Error::Arguments { arguments: format!("{flag} {value}"), reason: super::in_a_line(&error) }
         })?;
         // Names of files need not be text.
         with.input.files.clone_from(&self.input.files);

@@ -23,6 +23,7 @@ use rayon::prelude::*;
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::points::{Domain, Ensemble, RawPoints};
+use crate::setting::Setting;
 
 pub use parameters::{Accepts, Parameter, ParameterValues};
 pub use process::Process;
@@ -101,7 +102,7 @@ pub fn find(name: &str) -> Result<&'static dyn Sampler> {
     registry().iter().find(|s| s.name() == name).copied().ok_or_else(|| {
         let names: Vec<_> = registry().iter().map(|s| s.name()).collect();
         let hint = nearest(name, &names).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
-        Error::setting("--sampler", name, format!("no such sampler{hint}; expected one of {}", names.join(", ")))
+        Error::setting(Setting::Sampler, name, format!("no such sampler{hint}; expected one of {}", names.join(", ")))
     })
 }
 
@@ -138,10 +139,10 @@ fn nearest<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
 
 fn check_size(n: u64, dim: usize) -> Result<()> {
     if !(1..=3).contains(&dim) {
-        return Err(Error::setting("--dim", dim, "expected 1, 2 or 3"));
+        return Err(Error::setting(Setting::Dim, dim, "expected 1, 2 or 3"));
     }
     if !(1..=MAX_POINTS).contains(&n) {
-        return Err(Error::setting("-n", n, format!("expected 1 to {MAX_POINTS} points")));
+        return Err(Error::setting(Setting::Points, n, format!("expected 1 to {MAX_POINTS} points")));
     }
     Ok(())
 }
@@ -160,7 +161,7 @@ fn strata_per_axis(n: u64, dim: usize, name: &str) -> Result<u64> {
         k -= 1;
     }
     let reason = format!("{name} in {dim}D needs n = k^{dim}; the nearest are {} and {}", power(k), power(k + 1));
-    Err(Error::setting("-n", n, reason))
+    Err(Error::setting(Setting::Points, n, reason))
 }
 
 /// The power `k^dim` nearest to `n`, of those that may be asked for.

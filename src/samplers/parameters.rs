@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::{Sampler, nearest};
 use crate::error::{Error, Result};
+use crate::setting::Setting;
 
 /// One parameter of a process.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -84,21 +85,21 @@ impl ParameterValues {
         let mut texts: Vec<Option<&str>> = vec![None; sampler.parameters().len()];
         for pair in given.iter().map(AsRef::as_ref) {
             let Some((key, value)) = pair.split_once('=') else {
-                return Err(Error::setting("--param", pair, "expected key=value"));
+                return Err(Error::setting(Setting::Params, pair, "expected key=value"));
             };
             let (key, value) = (key.trim(), value.trim());
             let Some(slot) = sampler.parameters().iter().position(|p| p.name == key) else {
-                return Err(Error::setting("--param", pair, unknown(sampler, key)));
+                return Err(Error::setting(Setting::Params, pair, unknown(sampler, key)));
             };
             if texts[slot].replace(value).is_some() {
-                return Err(Error::setting("--param", pair, format!("{key} is given twice")));
+                return Err(Error::setting(Setting::Params, pair, format!("{key} is given twice")));
             }
         }
         let values = sampler.parameters().iter().zip(texts).map(|(p, text)| {
             let text = text.unwrap_or(p.default);
             let value = p.accepts.parse(text).ok_or_else(|| {
                 let reason = format!("{} of {} is {} (default {})", p.name, sampler.name(), p.accepts, p.default);
-                Error::setting("--param", format!("{}={text}", p.name), reason)
+                Error::setting(Setting::Params, format!("{}={text}", p.name), reason)
             })?;
             Ok((p.name, value))
         });
@@ -109,7 +110,7 @@ impl ParameterValues {
     pub fn number(&self, name: &'static str) -> Result<f64> {
         match self.get(name)? {
             Value::Number(x) => Ok(x),
-            Value::Word(w) => Err(Error::setting("--param", format!("{name}={w}"), "expected a number")),
+            Value::Word(w) => Err(Error::setting(Setting::Params, format!("{name}={w}"), "expected a number")),
         }
     }
 
@@ -117,7 +118,7 @@ impl ParameterValues {
     pub fn word(&self, name: &'static str) -> Result<&'static str> {
         match self.get(name)? {
             Value::Word(w) => Ok(w),
-            Value::Number(x) => Err(Error::setting("--param", format!("{name}={x}"), "expected a word")),
+            Value::Number(x) => Err(Error::setting(Setting::Params, format!("{name}={x}"), "expected a word")),
         }
     }
 
@@ -129,7 +130,11 @@ impl ParameterValues {
     fn get(&self, name: &'static str) -> Result<Value> {
         let found = self.values.iter().find(|(key, _)| *key == name);
         found.map(|(_, value)| *value).ok_or_else(|| {
-            Error::setting("--param", name, "these values were made for another sampler, which has no such parameter")
+            Error::setting(
+                Setting::Params,
+                name,
+                "these values were made for another sampler, which has no such parameter",
+            )
         })
     }
 }

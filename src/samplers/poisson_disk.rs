@@ -11,6 +11,7 @@ use super::stream::{stream, uniform};
 use super::{Accepts, Parameter, ParameterValues, Realization, Sampler, check_size};
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::setting::Setting;
 
 pub(super) struct PoissonDisk;
 
@@ -75,7 +76,7 @@ fn jammed(n: u64, dim: usize, radius: f64) -> Error {
         "dart throwing cannot place {n} points this far apart in {dim}D; lower radius (many points jam near {limit}, the \
          default is 0.7)"
     );
-    Error::setting("--param", format!("radius={radius}"), reason)
+    Error::setting(Setting::Params, format!("radius={radius}"), reason)
 }
 
 /// One run, or `None` if it jams.

@@ -3,6 +3,7 @@
 use super::{ParameterValues, Realization, Sampler, find};
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
+use crate::setting::Setting;
 
 /// A sampler with everything that determines its realizations.
 pub struct Process {
@@ -27,7 +28,7 @@ impl Process {
         let values = ParameterValues::parse(sampler, params)?;
         sampler.check(n, dim, &values)?;
         if realizations == 0 {
-            return Err(Error::setting("-k", 0, "expected at least 1 realization"));
+            return Err(Error::setting(Setting::Realizations, 0, "expected at least 1 realization"));
         }
         Ok(Self { sampler, values, n, realizations, dim, seed })
     }

@@ -17,6 +17,7 @@ use rand_distr::{Distribution, Poisson, StandardNormal};
 use super::stream::{stream, uniform};
 use super::{Accepts, Parameter, ParameterValues, Realization, Sampler, wrap};
 use crate::error::{Error, Result};
+use crate::setting::Setting;
 
 pub(super) struct Thomas;
 
@@ -60,7 +61,7 @@ impl Sampler for Thomas {
         let mut rng = stream(self, values, realization);
         let poisson = |mean: f64| {
             Poisson::new(mean)
-                .map_err(|e| Error::setting("--param", format!("mu={mu}"), format!("Poisson({mean}): {e}")))
+                .map_err(|e| Error::setting(Setting::Params, format!("mu={mu}"), format!("Poisson({mean}): {e}")))
         };
         let (parents, children) = (poisson(n as f64 / mu)?, poisson(mu)?);
         let mut points = Vec::new();

@@ -140,10 +140,16 @@ fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, name: &str
                 set.request = request;
                 controls.typed.remove(&key);
             }
-            Err(error) => _ = controls.typed.insert(key.clone(), Typed { text, error: Some(error.to_string()) }),
+            Err(error) => {
+                _ = controls.typed.insert(key.clone(), Typed { text, error: Some(error.told(pairwave::Setting::flag)) })
+            }
         }
     }
-    let failed = set.snapshot.as_ref().filter(|s| s.flag == Some(setting.flag.as_str())).and_then(|s| s.error.clone());
+    let failed = set
+        .snapshot
+        .as_ref()
+        .filter(|s| s.setting.is_some_and(|s| s.name() == setting.name))
+        .and_then(|s| s.error.clone());
     if let Some(error) = controls.typed.get(&key).and_then(|t| t.error.clone()).or(failed) {
         refusal(ui, &error);
     }

@@ -9,7 +9,7 @@ use pairwave::compute::Compute;
 use pairwave::control::Control;
 use pairwave::request::DeviceChoice;
 use pairwave::request::Request;
-use pairwave::{Error, Result};
+use pairwave::{Error, Result, Setting};
 
 /// Estimates are made at most this often per set while sums come in: more often than anyone can see costs only time.
 const SHOW: Duration = Duration::from_millis(100);
@@ -30,8 +30,8 @@ pub struct Snapshot {
     pub done: bool,
     /// Why it stopped, if it did.
     pub error: Option<String>,
-    /// The flag of the setting that is to blame.
-    pub flag: Option<&'static str>,
+    /// The setting that is to blame.
+    pub setting: Option<Setting>,
     /// What computed, or will, and why no GPU does.
     pub device: String,
     /// Counts the snapshots of all sets: pictures of an older one are stale.
@@ -119,8 +119,8 @@ impl Engine {
         self.generation += 1;
         let error = "an internal error stopped this set: a bug of pairwave; other settings start it again".to_string();
         let (generation, device) = (self.generation, String::new());
-        let (analysis, status, flag) = (None, None, None);
-        (id, Snapshot { request, analysis, status, done: false, error: Some(error), flag, device, generation })
+        let (analysis, status, setting) = (None, None, None);
+        (id, Snapshot { request, analysis, status, done: false, error: Some(error), setting, device, generation })
     }
 
     /// One step of the set whose turn it is. What there is to show of it, when it is time to.
@@ -148,9 +148,9 @@ impl Engine {
                 analysis,
                 status: running.map(Running::status),
                 done: matches!(more, Ok(false)),
-                error: more.as_ref().err().map(Error::to_string),
-                flag: match more {
-                    Err(Error::Setting { flag, .. }) => Some(flag),
+                error: more.as_ref().err().map(|e| e.told(Setting::flag)),
+                setting: match more {
+                    Err(Error::Setting { setting, .. }) => Some(setting),
                     _ => None,
                 },
                 device: device.unwrap_or_default(),

@@ -258,7 +258,7 @@ impl Viewer {
         let name = name(panel, take, set, self.sets.len());
         match set.analysis().map(|analysis| file(panel, take, analysis)) {
             Some(Ok(Some(bytes))) => self.files.save(&name, bytes),
-            Some(Err(error)) => self.fail(error.to_string()),
+            Some(Err(error)) => self.fail(error.told(pairwave::Setting::flag)),
             Some(Ok(None)) | None => self.fail(format!("{name}: there are no data for it any more")),
         }
     }

@@ -138,7 +138,7 @@ impl Session {
     fn check(&self, mut request: Request) -> Result<Request, String> {
         let input = &mut request.input;
         if input.sampler.is_some() {
-            Source::open(input).map_err(|e| e.to_string())?;
+            Source::open(input).map_err(|e| e.told(pairwave::Setting::flag))?;
         } else if input.files.is_empty() {
             return Err("neither files nor --sampler NAME -n N are given".into());
         } else if input.files.iter().any(|file| file == Path::new("-")) {

@@ -28,6 +28,7 @@ use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
+use crate::setting::Setting;
 
 /// More threads than this are a typing error.
 const MAX_THREADS: usize = 4096;
@@ -37,7 +38,7 @@ pub fn check_threads(threads: usize) -> Result<()> {
     if (1..=MAX_THREADS).contains(&threads) {
         return Ok(());
     }
-    Err(Error::setting("--threads", threads, format!("expected 1 to {MAX_THREADS}")))
+    Err(Error::setting(Setting::Threads, threads, format!("expected 1 to {MAX_THREADS}")))
 }
 
 /// The native implementation with its own pool of threads.
@@ -66,7 +67,9 @@ impl Cpu {
             .num_threads(threads.unwrap_or(0))
             .thread_name(|k| format!("pairwave-{k}"))
             .build()
-            .map_err(|e| Error::setting("--threads", threads.unwrap_or(0), format!("cannot start threads: {e}")))?;
+            .map_err(|e| {
+                Error::setting(Setting::Threads, threads.unwrap_or(0), format!("cannot start threads: {e}"))
+            })?;
         Ok(Self { pool, level: level.min(SimdLevel::detect()), nuffts: nufft::Cache::default() })
     }
 

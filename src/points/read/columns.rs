@@ -5,6 +5,7 @@ use std::str::FromStr;
 use super::plural;
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
+use crate::setting::Setting;
 
 /// A column as typed: its number from 1, or its name in a header.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,13 +85,13 @@ impl Marks {
 impl Columns {
     /// From what was typed.
     pub fn new(weight: Option<&str>, class: Option<&str>) -> Result<Self> {
-        let parse = |flag, typed: Option<&str>| {
-            typed.map(|text| text.parse().map_err(|e: &str| Error::setting(flag, text, e))).transpose()
+        let parse = |setting, typed: Option<&str>| {
+            typed.map(|text| text.parse().map_err(|e: &str| Error::setting(setting, text, e))).transpose()
         };
         Ok(Self {
             rows: Rows::Points,
-            weight: parse("--weight-column", weight)?,
-            class: parse("--class-column", class)?,
+            weight: parse(Setting::WeightColumn, weight)?,
+            class: parse(Setting::ClassColumn, class)?,
         })
     }
 
@@ -101,32 +102,34 @@ impl Columns {
 
     /// Their indices among columns with these names, of which there may be none, or why they are not there.
     pub(super) fn find(&self, width: usize, names: &[&[u8]]) -> Result<Marks, String> {
-        let find = |flag: &str, column: &Option<Column>| match column {
+        let find = |setting: Setting, column: &Option<Column>| match column {
             None => Ok(None),
             Some(Column::Number(number)) if *number <= width => Ok(Some(number - 1)),
             Some(Column::Number(number)) => {
-                Err(format!("{flag} {number}: there is no such column, only {}", plural(width as u64, "column")))
+                Err(format!("`{setting}` {number}: there is no such column, only {}", plural(width as u64, "column")))
             }
             Some(Column::Name(wanted)) => {
                 let same = |name: &&[u8]| name.eq_ignore_ascii_case(wanted.as_bytes());
                 let mut found = (0..names.len()).filter(|&i| same(&names[i]));
                 match (found.next(), found.next()) {
                     (Some(index), None) => Ok(Some(index)),
-                    (Some(_), Some(_)) => Err(format!("{flag} {wanted}: two columns have that name")),
+                    (Some(_), Some(_)) => Err(format!("`{setting}` {wanted}: two columns have that name")),
                     (None, _) if names.is_empty() => {
-                        Err(format!("{flag} {wanted}: no header names the columns; expected a number from 1"))
+                        Err(format!("`{setting}` {wanted}: no header names the columns; expected a number from 1"))
                     }
                     (None, _) => {
                         let names: Vec<_> = names.iter().map(|n| String::from_utf8_lossy(n)).collect();
-                        Err(format!("{flag} {wanted}: no column of that name; there are {}", names.join(", ")))
+                        Err(format!("`{setting}` {wanted}: no column of that name; there are {}", names.join(", ")))
                     }
                 }
             }
         };
-        let marks =
-            Marks { weight: find("--weight-column", &self.weight)?, class: find("--class-column", &self.class)? };
+        let marks = Marks {
+            weight: find(Setting::WeightColumn, &self.weight)?,
+            class: find(Setting::ClassColumn, &self.class)?,
+        };
         if marks.weight.is_some() && marks.weight == marks.class {
-            return Err("--weight-column and --class-column are the same column".into());
+            return Err("`weight_column` and `class_column` are the same column".into());
         }
         Ok(marks)
     }

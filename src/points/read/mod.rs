@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
+use crate::setting::Setting;
 
 use columns::Marks;
 pub use columns::{Column, Columns, MarkedPoints, Rows};
@@ -49,10 +50,10 @@ pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoin
 pub fn read_marked(inputs: &[PathBuf], options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let form = "expected files, a directory, a pattern such as 'set_*.npy', or - for standard input";
     if inputs.is_empty() {
-        return Err(Error::setting("FILES", "(none)", form));
+        return Err(Error::setting(Setting::Files, "(none)", form));
     }
     if inputs.iter().filter(|p| is_stdin(p)).count() > 1 {
-        return Err(Error::setting("FILES", "- -", "standard input can be read only once"));
+        return Err(Error::setting(Setting::Files, "- -", "standard input can be read only once"));
     }
     let mut batch: Vec<MarkedPoints> = Vec::new();
     for input in inputs {
@@ -71,7 +72,7 @@ fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) 
     if let Some(dim) = options.dim.filter(|&dim| dim != set.dim) {
         return Err(Error::input(
             &set.source,
-            format!("{} per point, but --box or --window has {}", coordinates(set.dim), plural(dim as u64, "axis")),
+            format!("{} per point, but `sides` or `window` has {}", coordinates(set.dim), plural(dim as u64, "axis")),
         ));
     }
     match first {
@@ -240,7 +241,7 @@ fn read_bytes(
     match options.dim {
         Some(dim) => raw::read(name, bytes, RawLayout::new(element, dim + columns.count())?, columns),
         None => {
-            let reason = format!("raw numbers do not say how many make a point; give --raw {extension}x2 (or x1, x3)");
+            let reason = format!("raw numbers do not say how many make a point; give `raw` {extension}x2 (or x1, x3)");
             Err(Error::input(name, reason))
         }
     }
@@ -251,7 +252,7 @@ fn unknown(name: &str, bytes: &[u8], rows: Rows) -> Error {
         return Error::input(name, "compressed with gzip; unpack it first");
     }
     let raw = match rows {
-        Rows::Points => "need --raw f32x2 or the like",
+        Rows::Points => "need `raw` f32x2 or the like",
         Rows::WaveVectors => "need a name that ends in .f32 or .f64",
     };
     Error::input(name, format!("neither text nor .npy, .npz or UTK .bin (no such header); raw numbers {raw}"))

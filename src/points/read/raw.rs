@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use super::{Columns, Element, MarkedPoints, Sets, numbered, plural};
 use crate::error::{Error, Result};
+use crate::setting::Setting;
 
 /// The number type of a raw file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,7 +83,11 @@ impl FromStr for RawLayout {
 }
 
 fn wrong(text: &str) -> Error {
-    Error::setting("--raw", text, "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)")
+    Error::setting(
+        Setting::Raw,
+        text,
+        "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)",
+    )
 }
 
 pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Columns) -> Result<Vec<MarkedPoints>> {

@@ -12,6 +12,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
+use crate::setting::Setting;
 
 pub(super) use utk::SETS_DIFFER as UTK_SETS_DIFFER;
 
@@ -44,7 +45,7 @@ impl From<io::Error> for Refusal {
 pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoints>>, force: bool) -> Result<()> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if path.is_dir() {
-        return Err(Error::setting("--out", path.display(), "is a directory; expected a file name"));
+        return Err(Error::setting(Setting::Out, path.display(), "is a directory; expected a file name"));
     }
     if !force && path.exists() {
         return Err(exists(path));
@@ -69,7 +70,7 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
         "f64" => Box::new(raw::Raw::new(output, raw::Kind::F64)),
         _ => {
             let reason = "expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64";
-            return Err(Error::setting("--out", path.display(), reason));
+            return Err(Error::setting(Setting::Out, path.display(), reason));
         }
     };
     let mut dim = None;
@@ -78,13 +79,13 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
         let set = set?;
         check(&set, *dim.get_or_insert(set.dim))?;
         format.add(count, &set).map_err(|refusal| match refusal {
-            Refusal::Format(reason) => Error::setting("--out", path.display(), reason),
+            Refusal::Format(reason) => Error::setting(Setting::Out, path.display(), reason),
             Refusal::Disk(error) => Error::file(path, error),
         })?;
         count += 1;
     }
     if count == 0 {
-        return Err(Error::setting("--out", path.display(), "there are no realizations to write"));
+        return Err(Error::setting(Setting::Out, path.display(), "there are no realizations to write"));
     }
     format.finish().map_err(|e| Error::file(path, e))?;
     drop(format);
@@ -110,7 +111,7 @@ pub fn csv(set: &RawPoints) -> Result<Vec<u8>> {
 }
 
 fn exists(path: &Path) -> Error {
-    Error::setting("--out", path.display(), "exists already; --force replaces it")
+    Error::setting(Setting::Out, path.display(), "exists already; `force` replaces it")
 }
 
 /// What no format should hold, because no reader takes it back.

@@ -6,6 +6,7 @@ use crate::error::{Error, Result, number};
 use crate::plan::WaveList;
 use crate::points::Domain;
 use crate::points::read::{Columns, ReadOptions, Rows, plural, read_file};
+use crate::setting::Setting;
 
 /// Frequencies from here on are refused: 2^31 cycles per side.
 const LIMIT: f64 = 2_147_483_648.0;
@@ -45,7 +46,7 @@ pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
         }
     }
     let list = WaveList { dim, vectors, mirrored: false };
-    list.check_size("--frequencies", path.display())?;
+    list.check_size(Setting::Frequencies, path.display())?;
     Ok(list)
 }
 

@@ -40,10 +40,8 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     let Some(set) = viewer.sets.get_mut(viewer.selected) else { return };
     let window = set.request.input.sampler.is_none();
     for (group, settings) in GROUPS.iter().filter(|(group, _)| *group != "Window" || window) {
-        let blamed = set.snapshot.as_ref().and_then(|s| s.flag).is_some_and(|flag| {
-            let of_flag = |name: &str| viewer.controls.settings.iter().any(|s| s.name == name && s.flag == flag);
-            settings.iter().any(|(name, _)| of_flag(name))
-        });
+        let blamed = set.snapshot.as_ref().and_then(|s| s.setting);
+        let blamed = blamed.is_some_and(|blamed| settings.iter().any(|(name, _)| *name == blamed.name()));
         // What is refused must be seen.
         let header = egui::CollapsingHeader::new(*group).open(blamed.then_some(true));
         header.show(ui, |ui| {

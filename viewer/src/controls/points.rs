@@ -1,6 +1,7 @@
 //! Where the points of the selected set come from.
 
 use eframe::egui;
+use pairwave::Setting;
 use pairwave::request::Request;
 use pairwave::samplers::{Accepts, MAX_POINTS, Parameter, Sampler, find, registry};
 
@@ -101,9 +102,11 @@ fn sampler(ui: &mut egui::Ui, set: &mut Set) {
     if changed {
         set.request = fitting(set.request.clone());
     }
-    let flag = set.snapshot.as_ref().and_then(|s| s.flag);
-    if matches!(flag, Some("-n" | "--param" | "--dim" | "-k" | "--sampler"))
-        && let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref())
+    let blamed = set.snapshot.as_ref().and_then(|s| s.setting);
+    if matches!(
+        blamed,
+        Some(Setting::Points | Setting::Params | Setting::Dim | Setting::Realizations | Setting::Sampler)
+    ) && let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref())
     {
         refusal(ui, error);
     }

@@ -14,6 +14,7 @@ use super::spread::FineGrid;
 use super::threads::share;
 use crate::control::Control;
 use crate::error::{Error, Result};
+use crate::setting::Setting;
 
 /// Slabs transposed at a time: two cache lines of one frequency.
 const BLOCK: usize = 8;
@@ -210,7 +211,7 @@ impl Transform {
         let AxisFft::Real(fft) = &own.fft else { return Ok(()) };
         let row = &mut cells[axis.pad()..][..axis.cells];
         fft.process_with_scratch(row, &mut worker.line, &mut worker.scratch)
-            .map_err(|e| Error::setting("--max-frequency", own.largest, e.to_string()))?;
+            .map_err(|e| Error::setting(Setting::MaxFrequency, own.largest, e.to_string()))?;
         for (m, (s, factor)) in worker.line.iter().zip(&own.factors).enumerate() {
             write(m, s * factor);
         }

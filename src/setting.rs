@@ -1,0 +1,181 @@
+//! The names of everything that can be set. Errors speak of settings by these; each face has words of its own for them.
+
+use std::fmt;
+
+/// Defines [`Setting`]: each one is named as the field of `request::Request` that holds it.
+macro_rules! settings {
+    ($($(#[$doc:meta])* $setting:ident = $name:literal,)*) => {
+        /// A setting of some command or function, by which an error says what is wrong.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum Setting {
+            $($(#[$doc])* $setting,)*
+        }
+
+        impl Setting {
+            /// All of them, those of a request first and in its order.
+            pub const ALL: &[Self] = &[$(Self::$setting),*];
+
+            /// Its plain name, `r_max`: that of its field.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$setting => $name,)*
+                }
+            }
+        }
+    };
+}
+
+settings! {
+    /// Point files or directories.
+    Files = "files",
+    /// The sampler that draws the points.
+    Sampler = "sampler",
+    /// Points per realization.
+    Points = "points",
+    /// Number of realizations.
+    Realizations = "realizations",
+    /// Dimension.
+    Dim = "dim",
+    /// Seed.
+    Seed = "seed",
+    /// Parameters of the sampler.
+    Params = "params",
+    /// Layout of raw numbers.
+    Raw = "raw",
+    /// Column of weights.
+    WeightColumn = "weight_column",
+    /// Column of classes.
+    ClassColumn = "class_column",
+    /// Torus or window.
+    Domain = "domain",
+    /// Sides of the torus.
+    Sides = "sides",
+    /// The window.
+    Window = "window",
+    /// Whether points outside the torus are folded back in.
+    Wrap = "wrap",
+    /// Statistics to compute.
+    Stats = "stats",
+    /// Largest distance.
+    RMax = "r_max",
+    /// Number of distance bins.
+    Bins = "bins",
+    /// Spacing of the bins.
+    BinScale = "bin_scale",
+    /// Bin edges.
+    Edges = "edges",
+    /// Smoothing kernel of g.
+    Kernel = "kernel",
+    /// Its bandwidth.
+    Bandwidth = "bandwidth",
+    /// What a smoothed pair is divided by.
+    Divisor = "divisor",
+    /// Whether the kernel is summed over every pair.
+    ExactKernel = "exact_kernel",
+    /// Edge correction.
+    Correction = "correction",
+    /// Distances beyond half the torus.
+    BeyondHalf = "beyond_half",
+    /// The two classes whose g is wanted.
+    Classes = "classes",
+    /// Bins per axis of the vector g.
+    LagBins = "lag_bins",
+    /// Largest lag per axis.
+    LagMax = "lag_max",
+    /// Radii of the rings of the vector g.
+    LagRings = "lag_rings",
+    /// Number of simulations for envelopes.
+    Envelope = "envelope",
+    /// What pairs are divided by.
+    Normalization = "normalization",
+    /// Largest frequency.
+    MaxFrequency = "max_frequency",
+    /// A list of wave vectors.
+    Frequencies = "frequencies",
+    /// Wave vectors per ring.
+    RingDirections = "ring_directions",
+    /// Sectors of angular power.
+    Sectors = "sectors",
+    /// Largest frequency of the covariance of amplitudes.
+    CovarianceFrequency = "covariance_frequency",
+    /// Taper of a window's spectrum.
+    Taper = "taper",
+    /// Number of sine tapers per axis.
+    Tapers = "tapers",
+    /// How the transform of the window is removed.
+    Debias = "debias",
+    /// Conventions of another program.
+    Convention = "convention",
+    /// Whether with that program's defects.
+    BugCompatible = "bug_compatible",
+    /// What computes.
+    Device = "device",
+    /// The promise about P.
+    Accuracy = "accuracy",
+    /// Number of threads.
+    Threads = "threads",
+    /// Where results go; no part of a request.
+    Out = "out",
+    /// Whether results that are there are replaced; no part of a request.
+    Force = "force",
+    /// Tolerance of a non-uniform transform; `accuracy` decides it in a request.
+    Tolerance = "tolerance",
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl Setting {
+    /// How the text of a reason mentions it: `` `r_max` ``.
+    pub fn mention(self) -> String {
+        format!("`{self}`")
+    }
+}
+
+/// `text` with every setting that it mentions (`` `r_max` ``) under another name.
+pub(crate) fn renamed(text: &str, name: impl Fn(Setting) -> &'static str) -> String {
+    let mut renamed = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('`') {
+        renamed.push_str(before);
+        let mentioned = after.split_once('`').and_then(|(word, after)| {
+            let setting = Setting::ALL.iter().find(|s| s.name() == word)?;
+            Some((name(*setting), after))
+        });
+        rest = match mentioned {
+            Some((name, after)) => {
+                renamed.push_str(name);
+                after
+            }
+            None => {
+                renamed.push('`');
+                after
+            }
+        };
+    }
+    renamed + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_text_mentions_is_renamed_and_nothing_else() {
+        let flags = |setting| if setting == Setting::RMax { "--r-max" } else { "--other" };
+        for (text, expected) in [
+            ("`r_max` or `bins`: less", "--r-max or --other: less"),
+            ("`what` `r_max`", "`what` --r-max"),
+            ("a ` and `r_max`", "a ` and --r-max"),
+            ("`r_max", "`r_max"),
+            ("r_max", "r_max"),
+            ("", ""),
+        ] {
+            assert_eq!(renamed(text, flags), expected);
+        }
+    }
+}
