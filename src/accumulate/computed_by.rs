@@ -1,7 +1,7 @@
 //! Who computed a raw sum.
 
 /// Which of the three ways.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Backend {
     /// The slow truth.
@@ -13,7 +13,7 @@ pub enum Backend {
 }
 
 /// The tag every raw sum carries: who computed it.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct ComputedBy {
     /// The ways that took part (more than one after a fallback or a merge).
     pub backends: Vec<Backend>,

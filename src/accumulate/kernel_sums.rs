@@ -1,7 +1,7 @@
 //! Raw sums of a kernel estimate: over realizations, of the kernel sums and what their error needs, per r.
 
 use super::ordered_sum::{NOT_NEXT, OrderedSum};
-use crate::accumulate::ComputedBy;
+use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
 use crate::plan::LEAF;
 
@@ -163,5 +163,42 @@ impl KernelSums {
             bounds: part(5),
             norms: [[n[0], n[1]], [n[2], n[3]]],
         }
+    }
+}
+
+impl Sums for KernelSums {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, other)
+    }
+
+    fn append(&mut self, next: Self) -> Result<()> {
+        Self::append(self, next)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        let mut closed = self.clone();
+        closed.close_leaf();
+        closed.computed_by.encode(out);
+        out.value("realizations", closed.realizations);
+        out.value("coincident", closed.coincident);
+        out.value("distances", closed.len);
+        closed.moments.encode("moments", out);
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let len: usize = from.read("distances")?;
+        let values = len.saturating_mul(PER_R).saturating_add(NORMS);
+        Ok(Self {
+            computed_by: ComputedBy::decode(from)?,
+            realizations: from.count("realizations")?,
+            coincident: from.count("coincident")?,
+            len,
+            moments: OrderedSum::decode("moments", values, from)?,
+            leaf: None,
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Raw sums of `lag_counts`: integers only, so any order of additions gives the same sums.
 
 use super::pair_counts::{PairHistogram, Ratios, Steps};
-use crate::accumulate::ComputedBy;
+use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
 use crate::plan::LagPlan;
 
@@ -55,5 +55,32 @@ impl LagCounts {
         self.cells.merge(&other.cells);
         self.sectors.merge(&other.sectors);
         Ok(())
+    }
+}
+
+impl Sums for LagCounts {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, &other)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        self.computed_by.encode(out);
+        out.value("realizations", self.realizations);
+        self.cells.encode("cells", out);
+        self.sectors.encode("sectors", out);
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        Ok(Self {
+            computed_by: ComputedBy::decode(from)?,
+            realizations: from.count("realizations")?,
+            steps: Steps::ONE,
+            cells: Ratios::decode("cells", from)?,
+            sectors: Ratios::decode("sectors", from)?,
+        })
     }
 }

@@ -1,21 +1,27 @@
 //! 4. Mergeable raw sums. No divisions here.
 
 mod computed_by;
+mod encode;
 mod kernel_sums;
 mod lag_counts;
 mod neighbor_sums;
 mod ordered_sum;
 mod pair_counts;
+mod psa_counts;
+mod sums;
 mod wave_covariance;
 mod wave_power;
 
 pub use computed_by::{Backend, ComputedBy};
+pub use encode::{Decoder, Encoder};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
 pub use neighbor_sums::{
-    Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, RealizationNeighbors,
+    Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, NoBonds, RealizationNeighbors,
 };
 pub use ordered_sum::OrderedSum;
 pub use pair_counts::{BorderHistogram, CrossCounts, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};
+pub use psa_counts::PsaCounts;
+pub use sums::Sums;
 pub use wave_covariance::{CovarianceSums, WaveCovariance};
 pub use wave_power::{PowerMoments, WavePower};

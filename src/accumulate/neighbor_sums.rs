@@ -1,6 +1,7 @@
 //! Raw sums of nearest-neighbour statistics: integers, and a few numbers per realization, kept in the order of its index.
 //! A merge of parts equals the whole, bit for bit, however the batch was cut.
 
+use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
 
 /// Steps per unit of `DistributionSums::counts`.
@@ -27,7 +28,7 @@ pub struct RealizationNeighbors {
     /// The distances; `None` with fewer than two points, where there is no neighbour.
     pub distances: Option<Distances>,
     /// Bonds between neighbours in the plane, or why there are none.
-    pub bonds: Result<Bonds, &'static str>,
+    pub bonds: Result<Bonds, NoBonds>,
 }
 
 /// Nearest-neighbour distances within one realization, in the domain's units.
@@ -52,6 +53,54 @@ pub struct Bonds {
     pub local: f64,
     /// Modulus of the mean over points of `psi_6`.
     pub global: f64,
+}
+
+/// Why a realization has no bonds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoBonds {
+    /// Defined in two dimensions only.
+    NotPlanar,
+    /// Fewer than 3 points.
+    FewPoints,
+    /// The points lie on one line.
+    OneLine,
+    /// A quarter of the points or more lie on one line.
+    ManyOnOneLine,
+    /// The points leave too much of the box empty, or it is too thin.
+    EmptyOrThin,
+    /// The points leave too much of the box empty.
+    Empty,
+    /// No point is surrounded by others.
+    AllOutside,
+    /// Not asked for.
+    NotAskedFor,
+}
+
+impl NoBonds {
+    const ALL: [Self; 8] = [
+        Self::NotPlanar,
+        Self::FewPoints,
+        Self::OneLine,
+        Self::ManyOnOneLine,
+        Self::EmptyOrThin,
+        Self::Empty,
+        Self::AllOutside,
+        Self::NotAskedFor,
+    ];
+
+    /// In words.
+    pub fn why(self) -> &'static str {
+        match self {
+            Self::NotPlanar => "defined in two dimensions only",
+            Self::FewPoints => "fewer than 3 points",
+            Self::OneLine => "the points lie on one line",
+            Self::ManyOnOneLine => "a quarter of the points or more lie on one line",
+            Self::EmptyOrThin => "the points leave too much of the box empty, or it is too thin",
+            Self::Empty => "the points leave too much of the box empty",
+            Self::AllOutside => "no point is surrounded by others",
+            Self::NotAskedFor => "not asked for",
+        }
+    }
 }
 
 /// Of one realization: a distribution function of distances, times the number of distances.
@@ -141,5 +190,98 @@ impl NeighborSums {
         self.nearest.merge(&other.nearest);
         self.empty.merge(&other.empty);
         Ok(())
+    }
+}
+
+impl DistributionSums {
+    fn encode(&self, name: &str, out: &mut Encoder) {
+        out.within(name, |out| {
+            out.value("realizations", self.realizations);
+            out.u128s("points", [self.points, self.squared_points]);
+            for (name, sums) in self.sums() {
+                out.u128s(name, sums.iter().copied());
+            }
+        });
+    }
+
+    fn sums(&self) -> [(&'static str, &Vec<u128>); 4] {
+        [("counts", &self.counts), ("squares", &self.squares), ("products", &self.products), ("at_risk", &self.at_risk)]
+    }
+
+    fn decode(name: &str, from: &mut Decoder<'_>) -> Result<Self> {
+        from.within(name, |from| {
+            let points = from.u128s("points")?;
+            let &[points, squared_points] = points.as_slice() else { return Err(from.error("points are not two")) };
+            let read = Self {
+                realizations: from.count("realizations")?,
+                points,
+                squared_points,
+                counts: from.u128s("counts")?,
+                squares: from.u128s("squares")?,
+                products: from.u128s("products")?,
+                at_risk: from.u128s("at_risk")?,
+            };
+            for (name, sums) in read.sums() {
+                from.check_len(name, sums.len(), read.counts.len())?;
+            }
+            Ok(read)
+        })
+    }
+}
+
+impl RealizationNeighbors {
+    /// Index, n, whether there are distances, 0 or why there are no bonds, points with bonds, with 5, 6 and 7 neighbours.
+    fn integers(&self) -> [u64; 8] {
+        let of = |why: NoBonds| NoBonds::ALL.iter().position(|&w| w == why).map_or(0, |k| k as u64 + 1);
+        let ([a, b, c], points) = self.bonds.map_or(([0; 3], 0), |bonds| (bonds.with_neighbors, bonds.points));
+        [self.index, self.n, u64::from(self.distances.is_some()), self.bonds.err().map_or(0, of), points, a, b, c]
+    }
+
+    /// Minimum, mean, closest packing, local and global order.
+    fn numbers(&self) -> [f64; 5] {
+        let [minimum, mean, closest] = self.distances.map_or([0.0; 3], |d| [d.minimum, d.mean, d.closest_packing]);
+        let [local, global] = self.bonds.map_or([0.0; 2], |b| [b.local, b.global]);
+        [minimum, mean, closest, local, global]
+    }
+
+    fn of(integers: &[u64; 8], numbers: &[f64; 5]) -> Option<Self> {
+        let [index, n, some, why, points, a, b, c] = *integers;
+        let [minimum, mean, closest_packing, local, global] = *numbers;
+        let bonds = match why {
+            0 => Ok(Bonds { points, with_neighbors: [a, b, c], local, global }),
+            why => Err(*NoBonds::ALL.get(usize::try_from(why).ok()? - 1)?),
+        };
+        let distances = (some == 1).then_some(Distances { minimum, mean, closest_packing });
+        Some(Self { index, n, distances, bonds })
+    }
+}
+
+impl Sums for NeighborSums {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, &other)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        None
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        out.u64s("integers", self.realizations.iter().flat_map(RealizationNeighbors::integers));
+        out.f64s("numbers", self.realizations.iter().flat_map(RealizationNeighbors::numbers));
+        self.nearest.encode("nearest", out);
+        self.empty.encode("empty", out);
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let (integers, numbers) = (from.u64s("integers")?, from.f64s("numbers")?);
+        let (integers, _) = integers.as_chunks::<8>();
+        from.check_len("numbers", numbers.len(), 5 * integers.len())?;
+        let rows = integers.iter().zip(numbers.as_chunks::<5>().0);
+        let realizations: Option<Vec<_>> = rows.map(|(i, x)| RealizationNeighbors::of(i, x)).collect();
+        Ok(Self {
+            realizations: realizations.ok_or_else(|| from.error("holds a realization that cannot be"))?,
+            nearest: DistributionSums::decode("nearest", from)?,
+            empty: DistributionSums::decode("empty", from)?,
+        })
     }
 }

@@ -7,6 +7,9 @@
 
 use std::collections::BTreeMap;
 
+use super::{Decoder, Encoder};
+use crate::error::Result;
+
 /// Why an `append` was refused.
 pub(super) const NOT_NEXT: &str = "only a realization of the same leaf can be appended";
 
@@ -59,6 +62,35 @@ impl OrderedSum {
         }
         let before = self.nodes.insert((level, index), sum);
         assert!(before.is_none(), "leaf {index} of level {level} was added twice");
+    }
+
+    /// Writes the nodes.
+    pub(super) fn encode(&self, name: &str, out: &mut Encoder) {
+        out.within(name, |out| {
+            out.u64s("nodes", self.nodes.keys().flat_map(|&(level, index)| [u64::from(level), index]));
+            out.f64s("sums", self.nodes.values().flatten().copied());
+        });
+    }
+
+    /// Reads what `encode` wrote: nodes of `len` values each.
+    pub(super) fn decode(name: &str, len: usize, from: &mut Decoder<'_>) -> Result<Self> {
+        from.within(name, |from| {
+            let keys = from.u64s("nodes")?;
+            let (keys, rest) = keys.as_chunks::<2>();
+            let sums = from.f64s_of("sums", keys.len().saturating_mul(len))?;
+            let mut read = Self::default();
+            let sums = (0..keys.len()).map(|k| sums[k * len..(k + 1) * len].to_vec());
+            for (&[level, index], sum) in keys.iter().zip(sums) {
+                // Levels and indices whose realizations can be counted.
+                let level = u32::try_from(level).ok().filter(|&l| l < 60 && index < 1 << (60 - l));
+                let one = level.map(|level| Self { nodes: BTreeMap::from([((level, index), sum)]) });
+                match one.filter(|one| rest.is_empty() && !read.overlaps(one)) {
+                    Some(one) => read.nodes.extend(one.nodes),
+                    None => return Err(from.error("its sums do not lie in one tree over realizations")),
+                }
+            }
+            Ok(read)
+        })
     }
 
     /// Whether leaves of `other` are here already.

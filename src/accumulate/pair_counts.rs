@@ -1,6 +1,6 @@
 //! Raw sums of `pair_counts`: integers only, so any order of additions gives the same sums.
 
-use crate::accumulate::ComputedBy;
+use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
 use crate::plan::PairPlan;
 
@@ -312,5 +312,102 @@ impl CrossCounts {
         self.a.merge(&other.a)?;
         self.b.merge(&other.b)?;
         self.between.merge(&other.between)
+    }
+}
+
+impl Ratios {
+    pub(super) fn encode(&self, name: &str, out: &mut Encoder) {
+        out.within(name, |out| {
+            out.u128s("sums", self.sums.iter().copied());
+            out.u128s("squares", self.squares.iter().copied());
+            out.u128s("products", self.products.as_flattened().iter().copied());
+            out.u128s("norms", self.norms.as_flattened().iter().flat_map(|n| [n.sum, n.moment, n.square]));
+        });
+    }
+
+    pub(super) fn decode(name: &str, from: &mut Decoder<'_>) -> Result<Self> {
+        from.within(name, |from| {
+            let (sums, squares) = (from.u128s("sums")?, from.u128s("squares")?);
+            let (products, norms) = (from.u128s("products")?, from.u128s("norms")?);
+            from.check_len("squares", squares.len(), sums.len())?;
+            from.check_len("products", products.len(), 2 * sums.len())?;
+            let per_bin = norms.len() == 6 * sums.len() && !sums.is_empty();
+            from.check_len("norms", norms.len(), if per_bin { 6 * sums.len() } else { 6 })?;
+            let norm = |n: &[u128; 3]| Norm { sum: n[0], moment: n[1], square: n[2] };
+            let (norms, _) = norms.as_chunks::<3>();
+            let (norms, _) = norms.as_chunks::<2>();
+            Ok(Self {
+                sums,
+                squares,
+                products: products.as_chunks::<2>().0.to_vec(),
+                norms: norms.iter().map(|both| both.each_ref().map(norm)).collect(),
+            })
+        })
+    }
+}
+
+impl Sums for PairCounts {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, &other)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        self.computed_by.encode(out);
+        out.value("realizations", self.realizations);
+        let Steps { sum_bits, norm_bits, moment_bits } = self.steps;
+        out.value("bits", vec![sum_bits, norm_bits, moment_bits[0], moment_bits[1]]);
+        out.value("cumulative", self.cumulative.is_some());
+        out.u64s("counts", self.counts.iter().copied());
+        self.bins.encode("bins", out);
+        if let Some(cumulative) = &self.cumulative {
+            cumulative.encode("cumulative", out);
+        }
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let [sum_bits, norm_bits, first, second] = from.read("bits")?;
+        let counts = from.u64s("counts")?;
+        let bins = Ratios::decode("bins", from)?;
+        from.check_len("bins", bins.sums.len(), counts.len())?;
+        let cumulative = from.read::<bool>("cumulative")?.then(|| Ratios::decode("cumulative", from)).transpose()?;
+        if let Some(cumulative) = &cumulative {
+            from.check_len("cumulative", cumulative.sums.len(), counts.len())?;
+        }
+        Ok(Self {
+            computed_by: ComputedBy::decode(from)?,
+            realizations: from.count("realizations")?,
+            counts,
+            steps: Steps { sum_bits, norm_bits, moment_bits: [first, second] },
+            bins,
+            cumulative,
+        })
+    }
+}
+
+impl Sums for CrossCounts {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, &other)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.between.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        for (name, counts) in [("a", &self.a), ("b", &self.b), ("between", &self.between)] {
+            out.within(name, |out| counts.encode(out));
+        }
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        Ok(Self {
+            a: from.within("a", PairCounts::decode)?,
+            b: from.within("b", PairCounts::decode)?,
+            between: from.within("between", PairCounts::decode)?,
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Raw sums of `wave_covariance`: over realizations, of products of amplitudes and what their errors need.
 
 use super::ordered_sum::OrderedSum;
-use crate::accumulate::ComputedBy;
+use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
 
 /// Sums over realizations of products of amplitudes of H wave vectors. An amplitude has two components: component `a < H`
@@ -109,5 +109,33 @@ impl WaveCovariance {
     /// The totals.
     pub fn totals(&self) -> CovarianceSums {
         CovarianceSums::from_values(self.stored, self.sums.total())
+    }
+}
+
+impl Sums for WaveCovariance {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, other)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        self.computed_by.encode(out);
+        out.value("realizations", self.realizations);
+        out.value("stored", self.stored);
+        self.sums.encode("leaves", out);
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let stored: u32 = from.read("stored")?;
+        let values = usize::try_from(Self::values(u128::from(stored))).unwrap_or(usize::MAX);
+        Ok(Self {
+            computed_by: ComputedBy::decode(from)?,
+            realizations: from.count("realizations")?,
+            stored: stored as usize,
+            sums: OrderedSum::decode("leaves", values, from)?,
+        })
     }
 }

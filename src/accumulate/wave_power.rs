@@ -1,7 +1,7 @@
 //! Raw sums of `wave_power`: over realizations, of `q = |s_m|^2` and what its error needs, per stored mode, ring and sector.
 
 use super::ordered_sum::{NOT_NEXT, OrderedSum};
-use crate::accumulate::ComputedBy;
+use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
 use crate::plan::{LEAF, Rings};
 
@@ -184,6 +184,45 @@ impl WavePower {
     fn ring_sums(&self) -> Vec<f64> {
         let open = self.leaf.as_ref().map(|leaf| (leaf.index, leaf.rings.as_slice()));
         self.ring_sums.total_with(open)
+    }
+}
+
+impl Sums for WavePower {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        Self::merge(self, other)
+    }
+
+    fn append(&mut self, next: Self) -> Result<()> {
+        Self::append(self, next)
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        let mut closed = self.clone();
+        closed.close_leaf();
+        closed.computed_by.encode(out);
+        out.value("realizations", closed.realizations);
+        out.value("members", vec![closed.modes, closed.rings, closed.sectors]);
+        closed.mode_sums.encode("modes", out);
+        closed.ring_sums.encode("rings", out);
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let [modes, rings, sectors]: [usize; 3] = from.read("members")?;
+        let groups = rings.saturating_add(sectors).saturating_add(1);
+        Ok(Self {
+            computed_by: ComputedBy::decode(from)?,
+            realizations: from.count("realizations")?,
+            modes,
+            rings,
+            sectors,
+            mode_sums: OrderedSum::decode("modes", modes.saturating_mul(3), from)?,
+            ring_sums: OrderedSum::decode("rings", groups.saturating_mul(3).saturating_add(2), from)?,
+            leaf: None,
+        })
     }
 }
 

@@ -27,7 +27,7 @@ impl PsaStatistics {
     /// `100 sqrt(n)` frequencies `nu_j = j n / 2 / (100 sqrt(n))`. The window is
     /// `w(r) = 0.43 + 0.5 cos(pi r / R) + 0.08 cos(2 pi r / R)` for `r <= R = 1/2 max(1/5, min(1/2, 4 nu / sqrt(n)))`.
     /// `None` for sets without pairs.
-    pub fn new(n: u64, counts: &[Vec<u64>]) -> Option<Self> {
+    pub fn new(n: u64, counts: &[&[u64]]) -> Option<Self> {
         let (bins, points) = (Self::bins(n), n as f64);
         if n < 2 || counts.is_empty() || counts.iter().any(|c| c.len() != bins) {
             return None;

@@ -20,7 +20,7 @@
 use spade::handles::{FixedFaceHandle, InnerTag, VertexHandle};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-use crate::accumulate::Bonds;
+use crate::accumulate::{Bonds, NoBonds};
 use crate::control::Control;
 use crate::error::Result;
 use crate::points::Domain;
@@ -44,17 +44,17 @@ impl HasPosition for Site {
 }
 
 /// Of one realization, or why there is none.
-pub(super) fn bonds(axes: &[&[u64]], domain: &Domain, control: &Control) -> Result<Result<Bonds, &'static str>> {
-    let &[x, y] = axes else { return Ok(Err("defined in two dimensions only")) };
+pub(super) fn bonds(axes: &[&[u64]], domain: &Domain, control: &Control) -> Result<Result<Bonds, NoBonds>> {
+    let &[x, y] = axes else { return Ok(Err(NoBonds::NotPlanar)) };
     if x.len() < 3 {
-        return Ok(Err("fewer than 3 points"));
+        return Ok(Err(NoBonds::FewPoints));
     }
     // Not only pointless: points are triangulated fast if three of the first are no line.
     if on_a_line(x, y) {
-        return Ok(Err("the points lie on one line"));
+        return Ok(Err(NoBonds::OneLine));
     }
     if many_on_a_line(x, y) {
-        return Ok(Err("a quarter of the points or more lie on one line"));
+        return Ok(Err(NoBonds::ManyOnOneLine));
     }
     if !domain.is_torus() {
         let sites = x.iter().zip(y).map(|(&x, &y)| Site { position: Point2::new(x as f64, y as f64), own: true });
@@ -72,14 +72,14 @@ pub(super) fn bonds(axes: &[&[u64]], domain: &Domain, control: &Control) -> Resu
         control.check()?;
         let expected = x.len() as f64 * sides.iter().map(|side| 1.0 + 2.0 * margin / side).product::<f64>();
         if expected > 16.0 * x.len() as f64 + 1024.0 {
-            return Ok(Err("the points leave too much of the box empty, or it is too thin"));
+            return Ok(Err(NoBonds::EmptyOrThin));
         }
         let triangulation = triangulate(continued([x, y], periods, margin));
         if proven(&triangulation, sides, margin) {
             return Ok(order(&triangulation));
         }
         if margin >= diagonal {
-            return Ok(Err("the points leave too much of the box empty"));
+            return Ok(Err(NoBonds::Empty));
         }
         margin = (1.5 * margin).min(diagonal * 1.001);
     }
@@ -162,7 +162,7 @@ fn proven(triangulation: &DelaunayTriangulation<Site>, sides: [f64; 2], margin: 
 
 /// Means over the points of the box that are not on the hull, in the order of the triangulation, which is a function of
 /// the points alone.
-fn order(triangulation: &DelaunayTriangulation<Site>) -> Result<Bonds, &'static str> {
+fn order(triangulation: &DelaunayTriangulation<Site>) -> Result<Bonds, NoBonds> {
     let centers: Vec<Point2<f64>> = triangulation.inner_faces().map(|face| face.circumcenter()).collect();
     // Inner faces are numbered from 1.
     let center = |face: FixedFaceHandle<InnerTag>| centers[face.index() - 1];
@@ -178,7 +178,7 @@ fn order(triangulation: &DelaunayTriangulation<Site>) -> Result<Bonds, &'static 
         sum = [sum[0] + psi[0], sum[1] + psi[1]];
     }
     if bonds.points == 0 {
-        return Err("no point is surrounded by others");
+        return Err(NoBonds::AllOutside);
     }
     bonds.local /= bonds.points as f64;
     bonds.global = sum[0].hypot(sum[1]) / bonds.points as f64;

@@ -10,7 +10,7 @@ mod search;
 
 use rayon::prelude::*;
 
-use crate::accumulate::{Bonds, Distances, NeighborSums, RealizationNeighbors};
+use crate::accumulate::{Bonds, Distances, NeighborSums, NoBonds, RealizationNeighbors};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::NeighborPlan;
@@ -55,8 +55,8 @@ pub fn nearest_neighbors(ensemble: &Ensemble, k: usize, control: &Control) -> Re
     search::partners(ensemble.domain(), &ensemble.lengths(k), control)
 }
 
-fn bonds(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<std::result::Result<Bonds, &'static str>> {
-    if plan.bonds { bonds::bonds(axes, &plan.domain, control) } else { Ok(Err("not asked for")) }
+fn bonds(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<std::result::Result<Bonds, NoBonds>> {
+    if plan.bonds { bonds::bonds(axes, &plan.domain, control) } else { Ok(Err(NoBonds::NotAskedFor)) }
 }
 
 /// Minimum and mean of the squared distances, which come in one order, whatever threads found them.

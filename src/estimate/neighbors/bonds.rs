@@ -1,7 +1,7 @@
 //! Bond-orientational order over realizations; `compute::neighbors::bonds` has the definition.
 
 use super::{mean, standard_error};
-use crate::accumulate::{Bonds, RealizationNeighbors};
+use crate::accumulate::{Bonds, NoBonds, RealizationNeighbors};
 
 /// psi_6 of a batch, over the realizations where it is defined, each counting alike.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -28,7 +28,10 @@ impl BondOrder {
         let [local, global] =
             [|b: &Bonds| b.local, |b: &Bonds| b.global].map(|f| all.iter().map(f).collect::<Vec<_>>());
         let (Some(local_mean), Some(global_mean)) = (mean(&local), mean(&global)) else {
-            return Err(realizations.iter().find_map(|r| r.bonds.err()).unwrap_or("there are no realizations"));
+            return Err(realizations
+                .iter()
+                .find_map(|r| r.bonds.err())
+                .map_or("there are no realizations", NoBonds::why));
         };
         let points: u64 = all.iter().map(|b| b.points).sum();
         let share = |i: usize| all.iter().map(|b| b.with_neighbors[i]).sum::<u64>() as f64 / points as f64;
