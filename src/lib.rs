@@ -42,6 +42,7 @@ pub mod analysis;
 pub mod compute;
 mod error;
 pub mod estimate;
+mod named;
 pub mod plan;
 pub mod points;
 pub mod report;

@@ -3,7 +3,6 @@
 
 mod classes;
 mod envelope;
-mod idle;
 mod measure;
 mod plan;
 mod running;

@@ -3,10 +3,9 @@
 use std::fmt;
 
 use super::classes::Classes;
-use super::idle::refuse_idle_settings;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
-use crate::estimate::{Normalization, PsaStatistics};
+use crate::estimate::PsaStatistics;
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, CovariancePlan, DEFAULT_RINGS, DEFAULT_SECTORS,
     EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, TaperPlan,
@@ -14,7 +13,7 @@ use crate::plan::{
 };
 use crate::points::Domain;
 use crate::points::read::{read_edges, read_frequencies};
-use crate::request::{Request, Statistic};
+use crate::request::{Request, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
 use crate::setting::Setting;
 use crate::source::Source;
 
@@ -424,26 +423,7 @@ pub(super) fn check_convention(request: &Request, domain: &Domain, shape: Ensemb
         );
         return Err(Error::setting(Setting::Convention, name, reason));
     }
-    let theirs = request.convention.pair_bins(shape.max_points).is_some() && request.stats.contains(&Statistic::Pcf);
-    let refused = [
-        (Setting::WeightColumn, request.input.weight_column.is_some(), "has no weights of points"),
-        (Setting::Frequencies, request.frequencies.is_some(), "has a grid of its own"),
-        (Setting::RingDirections, request.ring_directions.is_some(), "takes every wave vector of a ring"),
-        (Setting::Sectors, request.sectors.is_some(), "has no directions"),
-        (Setting::RMax, theirs && request.r_max.is_some(), "has bins of its own"),
-        (Setting::Bins, theirs && request.bins.is_some(), "has bins of its own"),
-        (Setting::BinScale, theirs && request.bin_scale.is_some(), "has bins of its own"),
-        (Setting::Edges, theirs && request.edges.is_some(), "has bins of its own"),
-        (Setting::BeyondHalf, theirs && request.beyond_half, "has bins of its own"),
-        (Setting::Kernel, theirs && request.kernel.is_some(), "has no smoothed g"),
-        (Setting::Normalization, theirs && request.normalization != Normalization::Pairs, "divides by n(n-1)"),
-    ];
-    match refused.iter().find(|(_, given, _)| *given) {
-        Some((setting, _, why)) => {
-            Err(Error::setting(Setting::Convention, &name, format!("{why}; leave out `{setting}`")))
-        }
-        None => Ok(()),
-    }
+    refuse_unknown_to_convention(request)
 }
 
 /// The bins a request asks for.

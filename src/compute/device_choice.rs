@@ -8,10 +8,10 @@ use super::{Compute, reference::Reference};
 use crate::error::{Error, Result};
 
 /// What `--device` asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DeviceChoice {
     /// A hardware GPU that passes the self-check, else the CPU path; never a software adapter.
+    #[default]
     Auto,
     /// The native path.
     Cpu,
@@ -20,7 +20,6 @@ pub enum DeviceChoice {
     /// The slow truth.
     Reference,
     /// An adapter by its index.
-    #[serde(untagged)]
     Index(usize),
 }
 
