@@ -64,7 +64,7 @@ cargo test --workspace
 tree=$(cargo tree -p pairwave -e normal,build,dev --prefix none)
 ! grep -E '^(egui|eframe|winit|rfd)' <<<"$tree" || exit 1
 # The library speaks no command line unless it is asked to.
-RUSTFLAGS="-D warnings" cargo check -p pairwave --no-default-features --lib
+cargo clippy -p pairwave --no-default-features --lib --profile test -- -D warnings
 tree=$(cargo tree -p pairwave --no-default-features -e normal --prefix none)
 ! grep -E '^(clap|indicatif|ctrlc)' <<<"$tree" || exit 1
 # The viewer stays fit for a browser.

@@ -13,7 +13,7 @@ use crate::plan::{
 };
 use crate::points::Domain;
 use crate::points::read::{read_edges, read_frequencies};
-use crate::request::{Request, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
+use crate::request::{Group, Request, SETTINGS, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
 use crate::setting::Setting;
 use crate::source::Source;
 
@@ -394,15 +394,10 @@ fn psa_pairs(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result
 
 /// The tapers a request asks for.
 fn taper(request: &Request, domain: &Domain) -> Result<TaperPlan> {
-    let given = [
-        (Setting::Taper, request.taper.map(|t| t.to_string())),
-        (Setting::Tapers, request.tapers.map(|n| n.to_string())),
-        (Setting::Debias, request.debias.map(|d| d.to_string())),
-    ];
-    for (setting, value) in given {
-        if let Some(value) = value.filter(|_| domain.is_torus()) {
-            return Err(Error::setting(setting, value, "is about a window; a torus cuts nothing off"));
-        }
+    let given = SETTINGS.iter().find(|row| row.group == Group::Tapers && row.is_given(request));
+    if let Some(row) = given.filter(|_| domain.is_torus()) {
+        let reason = "is about a window; a torus cuts nothing off";
+        return Err(Error::setting(row.setting, request.value(row.setting), reason));
     }
     let (kind, debias) = (request.taper.unwrap_or_default(), request.debias.unwrap_or_default());
     TaperPlan::new(kind, request.tapers, debias, domain.dim())

@@ -168,7 +168,7 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub edges: Option<PathBuf>,
 
-    /// Also smooth g with this kernel
+    /// Also smooth g: epanechnikov, gaussian or box
     ///
     /// Also smooth g with this kernel: a second column beside the counts in bins.
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
@@ -192,7 +192,7 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long))]
     pub exact_kernel: bool,
 
-    /// Edge correction
+    /// Edges: translation, isotropic, border or none
     ///
     /// Edge correction of distances in a window.
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
@@ -231,7 +231,7 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", allow_negative_numbers = true))]
     pub envelope: Option<u64>,
 
-    /// What pairs are divided by
+    /// pairs: n(n-1); intensity: n^2
     ///
     /// What pairs are divided by: n(n-1) or n^2 (with border correction n times the points deep enough inside, either way).
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value = "pairs"))]
@@ -268,7 +268,9 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "B", allow_negative_numbers = true))]
     pub covariance_frequency: Option<u32>,
 
-    /// Taper of a window's spectrum
+    /// Taper of P in a window: bartlett or sine
+    ///
+    /// Taper of a window's spectrum.
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub taper: Option<Taper>,
 
@@ -284,7 +286,7 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub debias: Option<Debias>,
 
-    /// Follow another program
+    /// Follow psa, utk or pspec
     ///
     /// Grid, rings, labels and normalization of another program.
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value = "ours"))]
@@ -302,7 +304,7 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, default_value = "auto", value_name = "auto|cpu|gpu|reference|INDEX"))]
     pub device: DeviceChoice,
 
-    /// The promise about P
+    /// fast or high: the promise about P
     ///
     /// The promise about P (pair counts are exact either way).
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value = "fast"))]

@@ -48,19 +48,28 @@ fn row(argument: &Arg) -> Option<&'static Row> {
 pub fn dress(command: Command) -> Command {
     command.mut_args(|argument| match row(&argument) {
         Some(row) => dressed(argument, row),
-        None => argument,
+        None => {
+            let long = explained(&argument);
+            argument.long_help(long)
+        }
     })
+}
+
+/// What the long help says of an argument: all but the line that the short help has in its place.
+fn explained(argument: &Arg) -> String {
+    let whole = argument.get_long_help().or(argument.get_help()).map(ToString::to_string).unwrap_or_default();
+    whole.split_once("\n\n").map_or(whole.as_str(), |(_, rest)| rest).to_string()
 }
 
 fn dressed(argument: Arg, row: &Row) -> Arg {
     let short = argument.get_help().map(ToString::to_string).unwrap_or_default();
-    let long = argument.get_long_help().map_or_else(|| short.clone(), ToString::to_string);
     // clap itself says what it fills in.
     let otherwise = if argument.get_default_values().is_empty() { row.left_out(Setting::flag) } else { String::new() };
     let bracket = if otherwise.is_empty() { String::new() } else { format!(" [default: {otherwise}]") };
-    let in_short = if row.otherwise.is_empty() { bracket.as_str() } else { "" };
+    // A line of the short help has room for so much beside the longest flag.
+    let in_short = if short.len() + bracket.len() <= 55 { bracket.as_str() } else { "" };
     let values = if row.is_switch() { Vec::new() } else { argument.get_possible_values() };
-    let long = format!("{long}{bracket}{}", listed(&values));
+    let long = format!("{}{bracket}{}", explained(&argument), listed(&values));
     argument
         .help(format!("{short}{in_short}"))
         .long_help(long)
@@ -83,10 +92,9 @@ fn listed(values: &[PossibleValue]) -> String {
     if lines.is_empty() { lines } else { format!("\n\nPossible values:{lines}") }
 }
 
-/// What the help says about a setting, with its default.
+/// What the help says about a setting, in full sentences.
 pub fn help(setting: Setting) -> String {
     let command = Request::augment_args(Command::new("analyze"));
     let argument = command.get_arguments().find(|argument| argument.get_id().as_str() == setting.name());
-    let help = argument.and_then(|a| a.get_long_help().or_else(|| a.get_help()));
-    help.map(ToString::to_string).unwrap_or_default()
+    argument.map(explained).unwrap_or_default()
 }
