@@ -123,7 +123,7 @@ impl Plan {
         let waves = (wants(Statistic::Spectrum) || wants(Statistic::Radial))
             .then(|| {
                 waves(request, domain, shape).map_err(|e| match &request.max_frequency {
-                    Some(typed) => e.as_typed(Setting::MaxFrequency, axes(typed)),
+                    Some(typed) => e.typed_as(Setting::MaxFrequency, axes(typed)),
                     None => e,
                 })
             })

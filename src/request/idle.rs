@@ -105,7 +105,8 @@ impl Request {
     }
 }
 
-#[cfg(all(test, feature = "cli"))]
+#[cfg(test)]
+#[cfg(feature = "cli")]
 mod tests {
     use super::*;
     use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector};

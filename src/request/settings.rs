@@ -204,7 +204,8 @@ impl Setting {
     }
 }
 
-#[cfg(all(test, feature = "cli"))]
+#[cfg(test)]
+#[cfg(feature = "cli")]
 mod tests {
     use std::collections::BTreeSet;
 
