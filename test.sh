@@ -63,6 +63,10 @@ cargo test --workspace
 # The library and the command line need no GUI crate.
 tree=$(cargo tree -p pairwave -e normal,build,dev --prefix none)
 ! grep -E '^(egui|eframe|winit|rfd)' <<<"$tree" || exit 1
+# The library speaks no command line unless it is asked to.
+cargo clippy -p pairwave --no-default-features --lib --profile test -- -D warnings
+tree=$(cargo tree -p pairwave --no-default-features -e normal --prefix none)
+! grep -E '^(clap|indicatif|ctrlc)' <<<"$tree" || exit 1
 # The viewer stays fit for a browser.
 if [ -d "$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ]; then
     RUSTFLAGS="-D warnings" cargo check --target wasm32-unknown-unknown -p pairwave-viewer --lib

@@ -90,7 +90,7 @@ impl Error {
     }
 
     /// The same error with `setting` as it was typed, if that is at fault: values are checked in other forms too.
-    pub(crate) fn as_typed(self, setting: Setting, typed: impl ToString) -> Self {
+    pub(crate) fn typed_as(self, setting: Setting, typed: impl ToString) -> Self {
         match self {
             Self::Setting { setting: at_fault, reason, .. } if at_fault == setting => {
                 Self::setting(setting, typed, reason)

@@ -44,6 +44,7 @@ pub mod compute;
 pub mod control;
 mod error;
 pub mod estimate;
+mod named;
 pub mod plan;
 pub mod points;
 pub mod report;

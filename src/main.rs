@@ -5,7 +5,7 @@ mod command;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
 use command::Command;
 
 /// How the samples of a pattern are correlated: g(r) and P(nu) with error bars, exact pair counts, on any GPU or none.
@@ -17,8 +17,11 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
+    let mut command = Arguments::command().mut_subcommand("analyze", pairwave::request::dress);
+    let matches = command.get_matches_mut();
     // clap prints usage errors itself, with exit code 2.
-    match Arguments::parse().command.run() {
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
+    match arguments.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {}", error.told(pairwave::Setting::flag));

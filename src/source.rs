@@ -8,7 +8,7 @@ use crate::error::{Error, Result, number, numbers};
 use crate::plan::EnsembleShape;
 use crate::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
 use crate::points::{Boundary, Domain, Ensemble};
-use crate::request::PointsRequest;
+use crate::request::{PointsRequest, refuse_settings_of_samplers};
 use crate::samplers::{self, Process};
 use crate::setting::Setting;
 
@@ -50,7 +50,7 @@ impl Source {
                 kind: Kind::Process(process),
             });
         }
-        only_for_samplers(request)?;
+        refuse_settings_of_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
             return Err(Error::setting(
                 Setting::Window,
@@ -177,24 +177,6 @@ fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest)
         ensemble = ensemble.with_classes(classes);
     }
     Ok((ensemble, names))
-}
-
-/// Files hold their own points; what shapes a sampler's would be silently ignored.
-fn only_for_samplers(request: &PointsRequest) -> Result<()> {
-    let text = |value: Option<String>| value.filter(|v| !v.is_empty());
-    let given = [
-        (Setting::Points, text(request.points.map(|n| n.to_string()))),
-        (Setting::Realizations, text(request.realizations.map(|k| k.to_string()))),
-        (Setting::Dim, text(request.dim.map(|d| d.to_string()))),
-        (Setting::Seed, text(request.seed.map(|s| s.to_string()))),
-        (Setting::Params, text(Some(request.params.join(" ")))),
-    ];
-    match given.into_iter().find_map(|(setting, value)| Some((setting, value?))) {
-        Some((setting, value)) => {
-            Err(Error::setting(setting, value, "applies to `sampler` NAME only, not to point files"))
-        }
-        None => Ok(()),
-    }
 }
 
 /// The number of axes that `--box` or `--window` fix.

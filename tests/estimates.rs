@@ -476,8 +476,11 @@ fn rules_of_bandwidth() {
     let stoyan = Bandwidth::Stoyan.value(&domain, 24.0);
     assert!((stoyan - 0.15 / 5f64.sqrt() * 0.5).abs() < 1e-15, "half-width 0.15 / sqrt(lambda), lambda = 4");
     assert!((Bandwidth::Fiksel.value(&domain, 24.0) - 0.05).abs() < 1e-15);
-    let typed = |text: &str| serde_json::to_value(text.parse::<Bandwidth>().unwrap()).unwrap();
-    assert_eq!((typed("0.25"), typed("fiksel"), typed("lscv")), (0.25.into(), "fiksel".into(), "lscv".into()));
+    let typed = |text: &str| text.parse::<Bandwidth>().unwrap();
+    assert_eq!(
+        [typed("0.25"), typed("fiksel"), typed("lscv")],
+        [Bandwidth::Given(0.25), Bandwidth::Fiksel, Bandwidth::Lscv]
+    );
 }
 
 fn search(e: &Ensemble, shape_: SmoothingKernel, r: [f64; 2]) -> (BandwidthSearch, PairCounts) {

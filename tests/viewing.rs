@@ -300,8 +300,7 @@ fn panels_say_what_they_need_and_mean() {
         let back: Panel = serde_json::from_str(&serde_json::to_string(&panel).unwrap()).unwrap();
         assert_eq!(back, panel);
         // With what it asks for, and nothing else, it has something to show.
-        let stats: Vec<String> =
-            panel.statistics().iter().map(|s| serde_json::to_value(s).unwrap().as_str().unwrap().into()).collect();
+        let stats: Vec<_> = panel.statistics().iter().map(|s| s.name()).collect();
         let stats = if stats.is_empty() { "neighbors".into() } else { stats.join(",") };
         let analysis = analyze(&format!("--sampler jittered -n 16 --stats {stats}"));
         assert!(panel.svg(&analysis).unwrap().is_some(), "{panel:?} with {stats}");

@@ -3,7 +3,6 @@
 
 mod classes;
 mod envelope;
-mod idle;
 mod measure;
 mod plan;
 mod running;
@@ -217,7 +216,7 @@ fn analysis(request: &Request, source: &Source, measured: Measured<'_>, found: F
     };
     let covariance = plan.covariance.as_ref().zip(sums.covariance.as_ref());
     let covariance = covariance.map(|(plan, sums)| AmplitudeCovariance::new(plan, sums));
-    let psa = PsaStatistics::new(shape.max_points, &sums.psa.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let psa = PsaStatistics::new(shape.max_points, &sums.psa);
     if request.convention == Convention::Psa && plan.waves.is_some() && psa.is_none() {
         let why = if shape.max_points < 2 { "they need pairs of points" } else { "too many sets or points" };
         warnings.push(format!("effective Nyquist frequency and oscillation by PSA's route are left out: {why}"));

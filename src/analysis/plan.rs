@@ -3,10 +3,9 @@
 use std::fmt;
 
 use super::classes::Classes;
-use super::idle::refuse_idle_settings;
 use crate::compute::Compute;
 use crate::error::{Error, Result, number, numbers};
-use crate::estimate::{Normalization, PsaStatistics};
+use crate::estimate::PsaStatistics;
 use crate::plan::{
     Bandwidth, BandwidthSearch, BinScale, Convention, Correction, CovariancePlan, DEFAULT_RINGS, DEFAULT_SECTORS,
     EnsembleShape, Kernel, KernelPlan, LagGrid, LagPlan, NeighborPlan, PairPlan, PairSettings, RadialBins, TaperPlan,
@@ -14,7 +13,7 @@ use crate::plan::{
 };
 use crate::points::Domain;
 use crate::request::lists::{read_edges, read_frequencies};
-use crate::request::{Request, Statistic};
+use crate::request::{Group, Request, SETTINGS, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
 use crate::setting::Setting;
 use crate::source::Source;
 
@@ -124,7 +123,7 @@ impl Plan {
         let waves = (wants(Statistic::Spectrum) || wants(Statistic::Radial))
             .then(|| {
                 waves(request, domain, shape).map_err(|e| match &request.max_frequency {
-                    Some(typed) => e.as_typed(Setting::MaxFrequency, axes(typed)),
+                    Some(typed) => e.typed_as(Setting::MaxFrequency, axes(typed)),
                     None => e,
                 })
             })
@@ -395,15 +394,10 @@ fn psa_pairs(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result
 
 /// The tapers a request asks for.
 fn taper(request: &Request, domain: &Domain) -> Result<TaperPlan> {
-    let given = [
-        (Setting::Taper, request.taper.map(|t| t.to_string())),
-        (Setting::Tapers, request.tapers.map(|n| n.to_string())),
-        (Setting::Debias, request.debias.map(|d| d.to_string())),
-    ];
-    for (setting, value) in given {
-        if let Some(value) = value.filter(|_| domain.is_torus()) {
-            return Err(Error::setting(setting, value, "is about a window; a torus cuts nothing off"));
-        }
+    let given = SETTINGS.iter().find(|row| row.group == Group::Tapers && row.is_given(request));
+    if let Some(row) = given.filter(|_| domain.is_torus()) {
+        let reason = "is about a window; a torus cuts nothing off";
+        return Err(Error::setting(row.setting, request.value(row.setting), reason));
     }
     let (kind, debias) = (request.taper.unwrap_or_default(), request.debias.unwrap_or_default());
     TaperPlan::new(kind, request.tapers, debias, domain.dim())
@@ -424,26 +418,7 @@ pub(super) fn check_convention(request: &Request, domain: &Domain, shape: Ensemb
         );
         return Err(Error::setting(Setting::Convention, name, reason));
     }
-    let theirs = request.convention.pair_bins(shape.max_points).is_some() && request.stats.contains(&Statistic::Pcf);
-    let refused = [
-        (Setting::WeightColumn, request.input.weight_column.is_some(), "has no weights of points"),
-        (Setting::Frequencies, request.frequencies.is_some(), "has a grid of its own"),
-        (Setting::RingDirections, request.ring_directions.is_some(), "takes every wave vector of a ring"),
-        (Setting::Sectors, request.sectors.is_some(), "has no directions"),
-        (Setting::RMax, theirs && request.r_max.is_some(), "has bins of its own"),
-        (Setting::Bins, theirs && request.bins.is_some(), "has bins of its own"),
-        (Setting::BinScale, theirs && request.bin_scale.is_some(), "has bins of its own"),
-        (Setting::Edges, theirs && request.edges.is_some(), "has bins of its own"),
-        (Setting::BeyondHalf, theirs && request.beyond_half, "has bins of its own"),
-        (Setting::Kernel, theirs && request.kernel.is_some(), "has no smoothed g"),
-        (Setting::Normalization, theirs && request.normalization != Normalization::Pairs, "divides by n(n-1)"),
-    ];
-    match refused.iter().find(|(_, given, _)| *given) {
-        Some((setting, _, why)) => {
-            Err(Error::setting(Setting::Convention, &name, format!("{why}; leave out `{setting}`")))
-        }
-        None => Ok(()),
-    }
+    refuse_unknown_to_convention(request)
 }
 
 /// The bins a request asks for.

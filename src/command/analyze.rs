@@ -16,20 +16,22 @@ pub(crate) struct Analyze {
     #[command(flatten)]
     request: Request,
 
-    /// Directory for the results; created, never overwritten without --force
-    #[arg(long, value_name = "DIR", required_unless_present = "explain")]
+    /// Directory for the results, to be created
+    ///
+    /// Directory for the results; created, never overwritten without --force.
+    #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "explain")]
     out: Option<PathBuf>,
 
     /// Replace a result that is already there
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     force: bool,
 
     /// Print the plan with its cost, and stop
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     explain: bool,
 
     /// No progress and no notes, only errors
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     quiet: bool,
 }
 

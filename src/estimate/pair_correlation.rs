@@ -4,10 +4,12 @@ use super::Analysis;
 use super::ErrorSource;
 use super::ratio::{mean_weight, ratio};
 use crate::accumulate::PairCounts;
+use crate::named::named;
 use crate::plan::PairPlan;
 
 /// What the number of pairs is compared with: in this order in `accumulate::Ratios`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Normalization {
     /// `n (n - 1)`: g = 1 for n independent uniform points.
@@ -16,6 +18,8 @@ pub enum Normalization {
     /// `n^2`, the square of the intensity: g = 1 - 1/n for them. This is the g of the variance formula.
     Intensity,
 }
+
+named!(Normalization: Pairs = "pairs", Intensity = "intensity");
 
 /// `g(r)` per bin: `g_b = |D| sum_k c_b / (v_b sum_k N)` over realizations k, with `c_b` the ordered pairs (or weight sum)
 /// in bin b, `v_b` the exact measure of its shell, and `N = n (n - 1)` or `n^2`. A ratio of sums, so that realizations

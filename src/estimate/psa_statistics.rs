@@ -27,9 +27,9 @@ impl PsaStatistics {
     /// `100 sqrt(n)` frequencies `nu_j = j n / 2 / (100 sqrt(n))`. The window is
     /// `w(r) = 0.43 + 0.5 cos(pi r / R) + 0.08 cos(2 pi r / R)` for `r <= R = 1/2 max(1/5, min(1/2, 4 nu / sqrt(n)))`.
     /// `None` for sets without pairs.
-    pub fn new(n: u64, counts: &[&[u64]]) -> Option<Self> {
+    pub fn new(n: u64, counts: &[impl AsRef<[u64]>]) -> Option<Self> {
         let (bins, points) = (Self::bins(n), n as f64);
-        if n < 2 || counts.is_empty() || counts.iter().any(|c| c.len() != bins) {
+        if n < 2 || counts.is_empty() || counts.iter().any(|c| c.as_ref().len() != bins) {
             return None;
         }
         let (pi, root) = (std::f64::consts::PI, points.sqrt());
@@ -38,7 +38,7 @@ impl PsaStatistics {
             let ring = |i: usize| 0.5 * points * (points - 1.0) * pi * dr * dr * (2 * i + 1) as f64;
             counts.iter().enumerate().map(|(i, &c)| c as f64 / ring(i)).collect()
         };
-        let sets: Vec<_> = counts.iter().map(|c| g(c)).collect();
+        let sets: Vec<_> = counts.iter().map(|c| g(c.as_ref())).collect();
         let power = |j: usize| {
             let nu = j as f64 * dnu;
             let reach = 0.5 * (4.0 * nu / root).clamp(0.2, 0.5);

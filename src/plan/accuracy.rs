@@ -1,7 +1,10 @@
 //! The one dial for accuracy: a promise in words and numbers, read by the plan, the tests and the README's table.
 
+use crate::named::named;
+
 /// How accurate the power spectrum is asked to be. Pair counts are exact at either setting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Accuracy {
     /// f32 tables of exact phases, short f32 panels flushed into wider sums.
@@ -10,6 +13,8 @@ pub enum Accuracy {
     /// f64 throughout.
     High,
 }
+
+named!(Accuracy: Fast = "fast", High = "high");
 
 /// What an accuracy level promises about `P(m)` against the reference, for points given as 64-bit fractions and any
 /// `|m|` up to `MAX_FREQUENCY` (tested to 65,536).
@@ -85,14 +90,6 @@ impl Accuracy {
         match self {
             Self::Fast => 1e-5,
             Self::High => 1e-12,
-        }
-    }
-
-    /// The name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast",
-            Self::High => "high",
         }
     }
 }

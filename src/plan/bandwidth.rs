@@ -31,16 +31,6 @@ impl std::fmt::Display for Bandwidth {
     }
 }
 
-/// As typed: a number, or the name of a rule.
-impl serde::Serialize for Bandwidth {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Given(bandwidth) => serializer.serialize_f64(*bandwidth),
-            rule => serializer.collect_str(rule),
-        }
-    }
-}
-
 impl std::str::FromStr for Bandwidth {
     type Err = String;
 

@@ -3,11 +3,13 @@
 
 use super::{Debias, WaveGrid, WavePlan};
 use crate::error::{Error, Result};
+use crate::named::named;
 use crate::points::Domain;
 use crate::setting::Setting;
 
 /// A program whose published numbers are to be reproduced from the same points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Convention {
     /// Rings `[k - 1/2, k + 1/2)`, DC in none, independent modes counted once.
@@ -20,6 +22,8 @@ pub enum Convention {
     /// `pspec` of pbrt, version 4: rings [k, k + 1), DC in none.
     Pspec,
 }
+
+named!(Convention: Ours = "ours", Psa = "psa", Utk = "utk", Pspec = "pspec");
 
 /// How rings are cut from a grid of half width F.
 pub(super) struct RingRule {
@@ -148,16 +152,5 @@ impl WavePlan {
     pub fn dc_cleared(&self) -> bool {
         let debiased = self.tapered().is_none() && self.taper.is_some_and(|t| t.debias != Debias::None);
         debiased || self.bug_compatible && self.convention == Convention::Utk
-    }
-}
-
-impl std::fmt::Display for Convention {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Ours => "ours",
-            Self::Psa => "psa",
-            Self::Utk => "utk",
-            Self::Pspec => "pspec",
-        })
     }
 }

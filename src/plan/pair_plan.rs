@@ -5,11 +5,13 @@ use std::fmt;
 use super::ring_measure::ring_measure;
 use super::{Batch, BinFilter, EnsembleShape, PairSearch, RadialBins, SearchCosts, SearchEstimate};
 use crate::error::{Error, Result, number};
+use crate::named::named;
 use crate::points::Domain;
 use crate::setting::Setting;
 
 /// How pairs near the edge of a window are weighted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Correction {
     /// Every pair counts 1 (a torus needs no more).
@@ -22,6 +24,8 @@ pub enum Correction {
     /// Only points further from the border than the distance in question are looked from: minus sampling.
     Border,
 }
+
+named!(Correction: None = "none", Translation = "translation", Isotropic = "isotropic", Border = "border");
 
 /// What is counted, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,17 +43,6 @@ pub struct PairSettings {
 impl From<Correction> for PairSettings {
     fn from(correction: Correction) -> Self {
         Self { correction, cumulative: false, beyond_half: false, masses: false }
-    }
-}
-
-impl fmt::Display for Correction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::None => "none",
-            Self::Translation => "translation",
-            Self::Isotropic => "isotropic",
-            Self::Border => "border",
-        })
     }
 }
 

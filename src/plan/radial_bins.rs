@@ -1,11 +1,13 @@
 //! Radial bins: the single owner of "which bin does a distance fall into".
 
 use crate::error::{Error, Result};
+use crate::named::named;
 use crate::points::Domain;
 use crate::setting::Setting;
 
 /// How bin edges are spaced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum BinScale {
     /// Equal widths from 0.
@@ -13,9 +15,11 @@ pub enum BinScale {
     /// Equal ratios.
     Log,
     /// Edges given one by one.
-    #[value(skip)]
+    #[cfg_attr(feature = "cli", value(skip))]
     Given,
 }
+
+named!(BinScale: Linear = "linear", Log = "log"; Given = "given");
 
 /// Half-open bins `[edge_k, edge_(k+1))` over distances in the domain's own units.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -1,7 +1,10 @@
 //! Smoothing kernels.
 
+use crate::named::named;
+
 /// The shape of a smoothing kernel. Bandwidth is its standard deviation (spatstat's convention).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum SmoothingKernel {
     /// `3/4 (1 - (x/h)^2) / h`, half-width `h = sqrt(5) bandwidth`.
@@ -12,8 +15,11 @@ pub enum SmoothingKernel {
     Box,
 }
 
+named!(SmoothingKernel: Epanechnikov = "epanechnikov", Gaussian = "gaussian", Box = "box");
+
 /// The sphere whose surface a pair is divided by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Divisor {
     /// Of the radius at which g is estimated.
@@ -22,6 +28,8 @@ pub enum Divisor {
     /// Of the distance of the pair.
     D,
 }
+
+named!(Divisor: R = "r", D = "d");
 
 /// A kernel with its bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -4,12 +4,14 @@
 
 use super::{WavePlan, WaveVectors};
 use crate::error::{Error, Result};
+use crate::named::named;
 use crate::setting::Setting;
 use crate::sinc::{sin_pi, sinc};
 
 /// The taper of a window's spectrum. A taper t has `integral t^2 = 1`; here it is held as `f = t sqrt |W|`, the product over
 /// axes of functions of `u = x_k / L_k` with `integral f^2 du = 1`, x from the corner of the window.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Taper {
     /// `f = 1`: Bartlett's periodogram.
@@ -19,17 +21,11 @@ pub enum Taper {
     Sine,
 }
 
-impl std::fmt::Display for Taper {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Bartlett => "bartlett",
-            Self::Sine => "sine",
-        })
-    }
-}
+named!(Taper: Bartlett = "bartlett", Sine = "sine");
 
 /// How the transform of the taper, which the mean intensity brings in, is removed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Debias {
     /// From the amplitude, before it is squared.
@@ -41,15 +37,7 @@ pub enum Debias {
     None,
 }
 
-impl std::fmt::Display for Debias {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Direct => "direct",
-            Self::Undirect => "undirect",
-            Self::None => "none",
-        })
-    }
-}
+named!(Debias: Direct = "direct", Undirect = "undirect", None = "none");
 
 /// The tapers of a window's spectrum, over which it is averaged, and what is removed from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

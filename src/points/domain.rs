@@ -1,10 +1,12 @@
 //! Where points live: a torus that wraps, or a rectangular window that does not.
 
 use crate::error::{Error, Result, numbers};
+use crate::named::named;
 use crate::setting::Setting;
 
 /// What happens at the sides of the box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Boundary {
     /// Opposite sides are glued; distances are minimum-image distances.
@@ -12,6 +14,8 @@ pub enum Boundary {
     /// The pattern was observed through a window; distances are plain, edges need correction.
     Window,
 }
+
+named!(Boundary: Torus = "torus", Window = "window");
 
 /// An axis-aligned box in 1, 2 or 3 dimensions. Torus: `[origin, origin + side)`; window: closed on both ends.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

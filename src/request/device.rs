@@ -3,10 +3,10 @@
 use std::str::FromStr;
 
 /// What `--device` asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DeviceChoice {
     /// A hardware GPU that passes the self-check, else the CPU path; never a software adapter.
+    #[default]
     Auto,
     /// The native path.
     Cpu,
@@ -15,7 +15,6 @@ pub enum DeviceChoice {
     /// The slow truth.
     Reference,
     /// An adapter by its index.
-    #[serde(untagged)]
     Index(usize),
 }
 

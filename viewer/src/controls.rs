@@ -8,7 +8,8 @@ mod sets;
 use std::collections::BTreeMap;
 
 use eframe::egui;
-use pairwave::request::{Request, Setting};
+use pairwave::Setting;
+use pairwave::request::{self, Request, SETTINGS};
 
 use crate::app::Viewer;
 use crate::engine::SetId;
@@ -19,9 +20,10 @@ const NAMES: f32 = 92.0;
 
 /// What controls keep between frames.
 pub(crate) struct Controls {
-    settings: Vec<Setting>,
+    /// What the help says of each setting.
+    help: BTreeMap<Setting, String>,
     /// Text that is being typed or was refused, by set and setting.
-    typed: BTreeMap<(SetId, String), Typed>,
+    typed: BTreeMap<(SetId, Setting), Typed>,
     /// A path that is being typed.
     path: String,
 }
@@ -35,7 +37,8 @@ struct Typed {
 
 impl Default for Controls {
     fn default() -> Self {
-        Self { settings: Setting::all(), typed: BTreeMap::new(), path: String::new() }
+        let help = SETTINGS.iter().map(|row| (row.setting, request::help(row.setting))).collect();
+        Self { help, typed: BTreeMap::new(), path: String::new() }
     }
 }
 
@@ -93,39 +96,38 @@ fn choice<T: Copy + PartialEq>(
 }
 
 /// A setting of a set: what it takes decides what it looks like. What was refused is said below it.
-fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, name: &str, title: &str) {
-    let Some(setting) = controls.settings.iter().find(|s| s.name == name) else { return };
-    let key = (set.id, setting.name.clone());
+fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, setting: Setting, title: &str) {
+    let Some(row) = setting.row() else { return };
+    let key = (set.id, setting);
     let value = set.request.value(setting);
-    let help = format!("{}\n{}", setting.help, setting.flag);
-    let otherwise = setting.otherwise.as_deref().unwrap_or("");
+    let help = format!("{}\n{}", controls.help.get(&setting).map_or("", String::as_str), row.flag);
+    let (choices, otherwise) = (row.choices(), row.left_out(Setting::flag));
     let mut wanted = None;
-    if setting.is_switch {
+    if row.is_switch() {
         let mut on = !value.is_empty();
         if ui.checkbox(&mut on, title).on_hover_text(help).changed() {
             wanted = Some(if on { "true".to_string() } else { String::new() });
         }
-    } else if setting.choices.is_empty() {
-        row(ui, title, &help, |ui, label| {
+    } else if choices.is_empty() {
+        self::row(ui, title, &help, |ui, label| {
             let typed = controls.typed.get(&key);
             let mut text = typed.map_or(value.clone(), |t| t.text.clone());
-            let edit = egui::TextEdit::singleline(&mut text).hint_text(otherwise).desired_width(f32::INFINITY);
+            let edit = egui::TextEdit::singleline(&mut text).hint_text(&otherwise).desired_width(f32::INFINITY);
             let edit = ui.add(edit).labelled_by(label).on_hover_text(&help);
             if edit.lost_focus() && text != value {
                 wanted = Some(text);
             } else if edit.has_focus() || edit.changed() {
-                controls.typed.insert(key.clone(), Typed { text, error: None });
+                controls.typed.insert(key, Typed { text, error: None });
             } else if controls.typed.get(&key).is_some_and(|t| t.error.is_none()) {
                 controls.typed.remove(&key);
             }
         });
     } else {
-        // Left out, it is what its help says.
-        let left_out = setting.default.is_none().then(String::new);
-        let all: Vec<&str> =
-            left_out.iter().map(String::as_str).chain(setting.choices.iter().map(String::as_str)).collect();
+        // Left out, it is what its help says, unless it has a value even then.
+        let left_out = Request::default().value(setting).is_empty().then_some("");
+        let all: Vec<&str> = left_out.into_iter().chain(choices).collect();
         let mut chosen = value.as_str();
-        let said = |one: &str| match (one, otherwise) {
+        let said = |one: &str| match (one, otherwise.as_str()) {
             ("", "") => "automatic".to_string(),
             ("", otherwise) => otherwise.to_string(),
             (one, _) => one.to_string(),
@@ -140,16 +142,10 @@ fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, name: &str
                 set.request = request;
                 controls.typed.remove(&key);
             }
-            Err(error) => {
-                _ = controls.typed.insert(key.clone(), Typed { text, error: Some(error.told(pairwave::Setting::flag)) })
-            }
+            Err(error) => _ = controls.typed.insert(key, Typed { text, error: Some(error.told(Setting::flag)) }),
         }
     }
-    let failed = set
-        .snapshot
-        .as_ref()
-        .filter(|s| s.setting.is_some_and(|s| s.name() == setting.name))
-        .and_then(|s| s.error.clone());
+    let failed = set.snapshot.as_ref().filter(|s| s.setting == Some(setting)).and_then(|s| s.error.clone());
     if let Some(error) = controls.typed.get(&key).and_then(|t| t.error.clone()).or(failed) {
         refusal(ui, &error);
     }
@@ -177,38 +173,38 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [&str; 12] = [
+    const WITHOUT: [Setting; 12] = [
         // What panels are shown decides.
-        "stats",
+        Setting::Stats,
         // Panels show none of these.
-        "kernel",
-        "bandwidth",
-        "divisor",
-        "exact_kernel",
-        "class_column",
-        "classes",
-        "lag_rings",
-        "envelope",
-        "sectors",
-        "covariance_frequency",
+        Setting::Kernel,
+        Setting::Bandwidth,
+        Setting::Divisor,
+        Setting::ExactKernel,
+        Setting::ClassColumn,
+        Setting::Classes,
+        Setting::LagRings,
+        Setting::Envelope,
+        Setting::Sectors,
+        Setting::CovarianceFrequency,
         // The list of files is edited as a whole.
-        "files",
+        Setting::Files,
     ];
 
-    /// Settings of samplers, each drawn by hand.
-    const OF_SAMPLERS: [&str; 6] = ["sampler", "points", "realizations", "dim", "seed", "params"];
-
-    /// The settings of requests that have a control; the others are about what no panel shows.
-    fn has_control(setting: &str) -> bool {
-        let of_points = OF_SAMPLERS.iter().chain(points::OF_FILES.iter().map(|(name, _)| name));
-        let measured = measure::GROUPS.iter().flat_map(|(_, settings)| settings.iter().map(|(name, _)| name));
-        of_points.chain(measured).any(|name| *name == setting)
+    /// Whether a setting has a control: those of samplers are drawn by hand.
+    fn has_control(row: &request::Row) -> bool {
+        let titled = points::OF_FILES.iter().chain(&measure::TITLES).any(|(setting, _)| *setting == row.setting);
+        titled || row.for_samplers || row.setting == Setting::Sampler
     }
 
     #[test]
     fn every_setting_has_a_control_or_a_reason_to_have_none() {
-        for setting in Setting::all() {
-            assert_ne!(has_control(&setting.name), WITHOUT.contains(&setting.name.as_str()), "{}", setting.name);
+        for row in &SETTINGS {
+            assert_ne!(has_control(row), WITHOUT.contains(&row.setting), "{}", row.setting);
+        }
+        for (setting, _) in measure::TITLES {
+            let groups = measure::GROUPS.iter().filter(|(group, _)| setting.row().is_some_and(|r| r.group == *group));
+            assert_eq!(groups.count(), 1, "{setting}");
         }
     }
 }

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, error::ErrorKind};
+use clap::{CommandFactory, FromArgMatches, Parser, error::ErrorKind};
 use eframe::egui;
-use pairwave::request::Request;
+use pairwave::request::{Request, dress};
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::LocalFiles;
 use pairwave_viewer::session::{self, Session};
@@ -30,12 +30,15 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let Arguments { session, fresh, request } = Arguments::parse();
+    let mut command = dress(Arguments::command());
+    let matches = command.get_matches_mut();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
+    let Arguments { session, fresh, request } = arguments;
     let asked = request != Request::default();
     if asked && session.is_some() {
         // A session has settings of its own.
         let conflict = "--session FILE cannot be used with settings: they are in the session";
-        Arguments::command().error(ErrorKind::ArgumentConflict, conflict).exit();
+        command.error(ErrorKind::ArgumentConflict, conflict).exit();
     }
     let session = match session.map(|path| open(&path)).transpose() {
         Ok(session) => session,

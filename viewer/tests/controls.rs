@@ -89,7 +89,7 @@ fn what_is_refused_says_so_in_its_place() {
     click(&mut window, "Distances");
     type_into(&mut window, "bins", "many");
     assert_eq!(command(&window), "pairwave analyze --sampler random -n 50 -k 4");
-    window.get_by_label_contains("invalid value 'many'");
+    window.get_by_label_contains("--bins many: ");
     type_into(&mut window, "bins", "0");
     settle(&mut window);
     // Under the set and under the field.

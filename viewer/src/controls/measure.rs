@@ -1,37 +1,43 @@
 //! What is measured of the selected set, and by what.
 
 use eframe::egui;
+use pairwave::Setting;
+use pairwave::request::Group;
 
 use super::setting;
 use crate::app::Viewer;
 
-/// Settings of requests with their titles, in groups that fold.
-pub(super) const GROUPS: [(&str, &[(&str, &str)]); 5] = [
-    (
-        "Distances",
-        &[
-            ("r_max", "largest r"),
-            ("bins", "bins"),
-            ("bin_scale", "spacing"),
-            ("edges", "edges from file"),
-            ("correction", "correction"),
-            ("normalization", "divide by"),
-            ("beyond_half", "beyond half the torus"),
-        ],
-    ),
-    (
-        "Frequencies",
-        &[
-            ("max_frequency", "largest ν"),
-            ("frequencies", "list from file"),
-            ("ring_directions", "directions"),
-            ("convention", "convention"),
-            ("bug_compatible", "with that program's defects"),
-        ],
-    ),
-    ("Lags", &[("lag_bins", "bins per axis"), ("lag_max", "largest lag")]),
-    ("Window", &[("taper", "taper"), ("tapers", "sine tapers"), ("debias", "debias")]),
-    ("Computing", &[("device", "device"), ("accuracy", "accuracy"), ("threads", "threads")]),
+/// Groups that fold, with their titles.
+pub(super) const GROUPS: [(Group, &str); 5] = [
+    (Group::Distances, "Distances"),
+    (Group::Frequencies, "Frequencies"),
+    (Group::Lags, "Lags"),
+    (Group::Tapers, "Window"),
+    (Group::Computing, "Computing"),
+];
+
+/// Settings of requests with their titles, in the order in which they are shown.
+pub(super) const TITLES: [(Setting, &str); 20] = [
+    (Setting::RMax, "largest r"),
+    (Setting::Bins, "bins"),
+    (Setting::BinScale, "spacing"),
+    (Setting::Edges, "edges from file"),
+    (Setting::Correction, "correction"),
+    (Setting::Normalization, "divide by"),
+    (Setting::BeyondHalf, "beyond half the torus"),
+    (Setting::MaxFrequency, "largest ν"),
+    (Setting::Frequencies, "list from file"),
+    (Setting::RingDirections, "directions"),
+    (Setting::Convention, "convention"),
+    (Setting::BugCompatible, "with that program's defects"),
+    (Setting::LagBins, "bins per axis"),
+    (Setting::LagMax, "largest lag"),
+    (Setting::Taper, "taper"),
+    (Setting::Tapers, "sine tapers"),
+    (Setting::Debias, "debias"),
+    (Setting::Device, "device"),
+    (Setting::Accuracy, "accuracy"),
+    (Setting::Threads, "threads"),
 ];
 
 /// Draws the groups.
@@ -39,14 +45,16 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     ui.heading("Measure");
     let Some(set) = viewer.sets.get_mut(viewer.selected) else { return };
     let window = set.request.input.sampler.is_none();
-    for (group, settings) in GROUPS.iter().filter(|(group, _)| *group != "Window" || window) {
+    let group_of = |setting: Setting| setting.row().map(|row| row.group);
+    for (group, title) in GROUPS.iter().filter(|(group, _)| *group != Group::Tapers || window) {
+        let settings = TITLES.iter().filter(|(setting, _)| group_of(*setting) == Some(*group));
         let blamed = set.snapshot.as_ref().and_then(|s| s.setting);
-        let blamed = blamed.is_some_and(|blamed| settings.iter().any(|(name, _)| *name == blamed.name()));
+        let blamed = settings.clone().any(|(setting, _)| Some(*setting) == blamed);
         // What is refused must be seen.
-        let header = egui::CollapsingHeader::new(*group).open(blamed.then_some(true));
+        let header = egui::CollapsingHeader::new(*title).open(blamed.then_some(true));
         header.show(ui, |ui| {
-            for (name, title) in *settings {
-                setting(ui, &mut viewer.controls, set, name, title);
+            for (one, title) in settings {
+                setting(ui, &mut viewer.controls, set, *one, title);
             }
         });
     }

@@ -10,13 +10,13 @@ use crate::app::Viewer;
 use crate::set::Set;
 
 /// Settings of files.
-pub(super) const OF_FILES: [(&str, &str); 6] = [
-    ("domain", "domain"),
-    ("sides", "box"),
-    ("window", "window"),
-    ("wrap", "fold points outside back in"),
-    ("raw", "raw numbers"),
-    ("weight_column", "weights"),
+pub(super) const OF_FILES: [(Setting, &str); 6] = [
+    (Setting::Domain, "domain"),
+    (Setting::Sides, "box"),
+    (Setting::Window, "window"),
+    (Setting::Wrap, "fold points outside back in"),
+    (Setting::Raw, "raw numbers"),
+    (Setting::WeightColumn, "weights"),
 ];
 
 /// Draws the controls of the points.
@@ -103,10 +103,8 @@ fn sampler(ui: &mut egui::Ui, set: &mut Set) {
         set.request = fitting(set.request.clone());
     }
     let blamed = set.snapshot.as_ref().and_then(|s| s.setting);
-    if matches!(
-        blamed,
-        Some(Setting::Points | Setting::Params | Setting::Dim | Setting::Realizations | Setting::Sampler)
-    ) && let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref())
+    if blamed.is_some_and(|s| s == Setting::Sampler || s.row().is_some_and(|row| row.for_samplers))
+        && let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref())
     {
         refusal(ui, error);
     }
