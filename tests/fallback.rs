@@ -106,9 +106,9 @@ fn a_device_lost_in_the_middle_is_replaced_and_named() {
     assert!(truth.warnings.is_empty());
     for calls in 0..=4 {
         let found = analyze(&request, &Mortal::new(calls)).unwrap();
-        assert_eq!(found.pair_correlation, truth.pair_correlation, "after {calls} calls");
-        assert_eq!(found.vector, truth.vector, "after {calls} calls");
-        let (p, q) = (&found.spectrum.as_ref().unwrap().p, &truth.spectrum.as_ref().unwrap().p);
+        assert_eq!(found.pair_correlation(), truth.pair_correlation(), "after {calls} calls");
+        assert_eq!(found.vector(), truth.vector(), "after {calls} calls");
+        let (p, q) = (&found.spectrum().unwrap().p, &truth.spectrum().unwrap().p);
         assert!(p.iter().zip(q).all(|(p, q)| (p - q).abs() < 1e-12), "after {calls} calls");
         let named = "mortal: pair_counts: the device was lost; continued on the native CPU path";
         assert_eq!(found.warnings, [named], "after {calls} calls");
@@ -140,9 +140,11 @@ fn a_device_lost_between_classes_leaves_no_mixture() {
     std::fs::write(&path, format!("x,y,kind\n{}", rows.join("\n"))).unwrap();
     let request =
         request(&format!("{} --window 0,1,0,1 --class-column kind --stats pcf --bins 5 --r-max 0.4", path.display()));
-    let truth = analyze(&request, &Cpu::new(Some(1)).unwrap()).unwrap().cross.unwrap();
+    let truth = analyze(&request, &Cpu::new(Some(1)).unwrap()).unwrap();
+    let truth = truth.cross().unwrap();
     for calls in 0..=4 {
-        let found = analyze(&request, &Mortal { off: 1 << 20, ..Mortal::new(calls) }).unwrap().cross.unwrap();
+        let found = analyze(&request, &Mortal { off: 1 << 20, ..Mortal::new(calls) }).unwrap();
+        let found = found.cross().unwrap();
         let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4 * (1.0 + b));
         assert!(near(&found.between.g, &truth.between.g), "after {calls} calls: {:?}", found.between.g);
         assert_eq!(found.between.count, truth.between.count);

@@ -14,16 +14,15 @@ use std::path::{Path, PathBuf};
 use common::*;
 use pairwave::Error;
 use pairwave::accumulate::{CrossCounts, PairCounts};
-use pairwave::analysis::{Analysis, ClosedForm, Envelopes};
 use pairwave::compute::neighbors::neighbor_sums;
 use pairwave::compute::{Backend, Compute, ComputedBy, Control, reference::Reference};
 use pairwave::estimate::{
-    CrossCorrelation, Curve, Envelope, ErrorSource, KFunction, KernelEstimate, Neighbors, Normalization,
-    PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
+    Analysis, CrossCorrelation, Curve, Envelope, Envelopes, ErrorSource, Findings, KFunction, KernelEstimate,
+    Neighbors, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use pairwave::plan::{
-    Accuracy, Bandwidth, Convention, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan,
-    PairSettings, RadialBins, Rings, SmoothingKernel, WaveGrid,
+    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan, PairSettings,
+    RadialBins, Rings, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
@@ -47,37 +46,28 @@ fn analyze(subject: &str, domain: &Domain, sets: &[RawPoints], bins: RadialBins,
     let pcf = PairCorrelation::new(&pair_plan, &counts, Normalization::Pairs);
     let vector = VectorCorrelation::new(&lag_plan, &lags, Normalization::Pairs);
     let details = SpectrumDetails::new(&wave_plan, &power, &spectrum, &radial, Some(&pcf), Some(&vector));
-    Analysis {
-        subject: subject.into(),
-        parameters: vec![("--seed".into(), "1".into()), ("command".into(), "pairwave analyze --out out".into())],
-        domain: domain.clone(),
-        shape,
-        min_points: (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).min().unwrap() as u64,
-        correction,
-        pair_correlation: Some(pcf),
-        cross: None,
-        k_function: None,
-        kernel: None,
-        envelopes: None,
-        vector: Some(vector),
-        spectrum: Some(spectrum),
-        grid_wanted: true,
-        radial: Some(radial),
-        details: Some(details),
-        covariance: None,
-        convention: Convention::Ours,
-        bug_compatible: false,
-        psa: None,
-        neighbors: Some(neighbors(&ensemble)),
-        closed_form: ClosedForm::default(),
-        accuracy: Accuracy::High,
-        computed_by: ComputedBy::new(Backend::Reference, "one core, f64 and exact integers"),
-        plan: format!("{pair_plan}{wave_plan}"),
-        timings: vec![("pair_counts", 0.25), ("wave_power", 1.5)],
-        duplicates: ensemble.duplicates(),
-        warnings: Vec::new(),
-        first: ensemble.slice(0..1),
-    }
+    let by = ComputedBy::new(Backend::Reference, "one core, f64 and exact integers");
+    let mut found = Analysis::new(subject, shape, ensemble.slice(0..1), by);
+    found.parameters = vec![("--seed".into(), "1".into()), ("command".into(), "pairwave analyze --out out".into())];
+    found.min_points = (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).min().unwrap() as u64;
+    (found.correction, found.grid_wanted, found.accuracy) = (correction, true, Accuracy::High);
+    found.plan = format!("{pair_plan}{wave_plan}");
+    found.timings = vec![("pair_counts", 0.25), ("wave_power", 1.5)];
+    found.duplicates = ensemble.duplicates();
+    found.findings.insert(pcf);
+    found.findings.insert(vector);
+    found.findings.insert(spectrum);
+    found.findings.insert(radial);
+    found.findings.insert(details);
+    found.findings.insert(neighbors(&ensemble));
+    found
+}
+
+/// Takes P and what was made of it out.
+fn remove_spectrum(a: &mut Analysis) {
+    a.findings.remove::<PowerSpectrum>();
+    a.findings.remove::<RadialSpectrum>();
+    a.findings.remove::<SpectrumDetails>();
 }
 
 fn neighbors(ensemble: &Ensemble) -> Neighbors {
@@ -95,7 +85,7 @@ fn jittered(k: usize, seed: u64) -> RawPoints {
 
 /// Mean of a function of m over every ring.
 fn ring_means(analysis: &Analysis, p: impl Fn([i32; 3]) -> f64) -> Vec<f64> {
-    let grid = *analysis.spectrum.as_ref().unwrap().waves.grid().unwrap();
+    let grid = *analysis.spectrum().unwrap().waves.grid().unwrap();
     let rings = Rings::new(&grid.into(), &analysis.domain);
     let mut sums = vec![0.0; rings.count];
     for i in 0..grid.half_len() {
@@ -160,18 +150,18 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     let subject = format!("sampler jittered, n {n}, K 20, seed 1");
     let mut a = analyze(&subject, &unit(2), &sets, linear(r_max(n), 256), &[f, f]);
     a.closed_form.name = "jittered".into();
-    a.closed_form.g = Some(a.pair_correlation.as_ref().unwrap().r.iter().map(|&r| jittered_g(side, r)).collect());
+    a.closed_form.g = Some(a.pair_correlation().unwrap().r.iter().map(|&r| jittered_g(side, r)).collect());
     let s = side as f64;
     a.closed_form.radial =
         Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
     let whole = ensemble(&sets);
     let bandwidth = Bandwidth::Stoyan.value(&unit(2), n as f64);
     let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth };
-    let r = a.pair_correlation.as_ref().unwrap().r.clone();
+    let r = a.pair_correlation().unwrap().r.clone();
     let plan = KernelPlan::new(kernel, Divisor::R, r, false, &unit(2), Correction::None, shape(&whole)).unwrap();
     let sums = Reference.kernel_sums(&plan, &whole, &Control::default()).unwrap().unwrap();
-    a.kernel = Some(KernelEstimate::new(&plan, &sums, Normalization::Pairs));
-    a.envelopes = Some(envelopes(&a, 19));
+    a.findings.insert(KernelEstimate::new(&plan, &sums, Normalization::Pairs));
+    a.findings.insert(envelopes(&a, 19));
     scenes.push(("jittered", a));
 
     let sets = [uniform(2, n, 5)];
@@ -216,7 +206,7 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
 
     let a = analyze("one point", &unit(2), &[uniform(2, 1, 1)], linear(0.5, 8), &[3, 3]);
     // 0/0, as the estimate documents it.
-    assert!(a.pair_correlation.as_ref().unwrap().g[0].is_nan());
+    assert!(a.pair_correlation().unwrap().g[0].is_nan());
     scenes.push(("one point", a));
 
     scenes.push(("two classes", with_classes(if large { 400 } else { 60 })));
@@ -225,14 +215,15 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     let mut a = analyze("sampler random, n 30000, K 1", &unit(2), &[uniform(2, 9, 1)], linear(0.5, 4), &[1, 1]);
     a.first = ensemble(&[uniform(2, many, 1)]);
     (a.min_points, a.shape.max_points, a.shape.mean_points) = (many as u64, many as u64, many as f64);
-    (a.pair_correlation, a.spectrum, a.radial, a.details) = (None, None, None, None);
+    a.findings.remove::<PairCorrelation>();
+    remove_spectrum(&mut a);
     scenes.push(("many points", a));
     scenes
 }
 
 /// Envelopes of g from curves about 1.
 fn envelopes(a: &Analysis, simulations: u64) -> Envelopes {
-    let g = a.pair_correlation.as_ref().unwrap();
+    let g = a.pair_correlation().unwrap();
     let curve = |s| g.r.iter().enumerate().map(|(k, _)| 0.9 + 0.2 * Rng(1000 * s + k as u64).unit()).collect();
     let simulated: Vec<Vec<f64>> = (0..simulations).map(curve).collect();
     let observed = Curve { name: "g", r: g.r.clone(), values: g.g.clone() };
@@ -241,10 +232,10 @@ fn envelopes(a: &Analysis, simulations: u64) -> Envelopes {
 
 /// P = 0 everywhere, and with it no anisotropy.
 fn zero(a: &mut Analysis) {
-    let spectrum = a.spectrum.as_mut().unwrap();
+    let spectrum = a.findings.get_mut::<PowerSpectrum>().unwrap();
     spectrum.p.fill(0.0);
     spectrum.p_se.fill(0.0);
-    for ring in &mut a.radial.as_mut().unwrap().rings {
+    for ring in &mut a.findings.get_mut::<RadialSpectrum>().unwrap().rings {
         (ring.p, ring.p_se, ring.anisotropy_db, ring.anisotropy_db_se) = (0.0, 0.0, None, None);
     }
 }
@@ -263,7 +254,7 @@ fn with_classes(n: usize) -> Analysis {
     let settings = PairSettings { cumulative: true, ..Correction::Translation.into() };
     let plan = PairPlan::new(&window, bins(), settings, shape(&e)).unwrap();
     let sums = reference_counts(&plan, &e);
-    a.k_function = KFunction::new(&plan, &sums, Normalization::Pairs, n as f64);
+    a.findings.add(KFunction::new(&plan, &sums, Normalization::Pairs, n as f64));
     let plan = pair_plan(&e, bins(), Correction::Translation);
     let [one, other] = [0, 1].map(|class| reference_counts(&plan, &e.of_classes(&[class])));
     let mut between = PairCounts::new(one.computed_by.clone(), &plan);
@@ -272,7 +263,7 @@ fn with_classes(n: usize) -> Analysis {
         between.add_between(&count(&[0, 1]), &count(&[0]), &count(&[1]));
     }
     let counts = CrossCounts { a: one, b: other, between };
-    a.cross = Some(CrossCorrelation::new(["a<b".into(), "c & d".into()], &plan, &counts, Normalization::Pairs));
+    a.findings.insert(CrossCorrelation::new(["a<b".into(), "c & d".into()], &plan, &counts, Normalization::Pairs));
     a
 }
 
@@ -418,8 +409,7 @@ fn files_for_what_there_is() {
     assert!(listing(&dir).contains(&"spectrum_axes.svg".to_string()));
 
     let mut bare = small();
-    (bare.pair_correlation, bare.spectrum, bare.radial, bare.neighbors) = (None, None, None, None);
-    (bare.vector, bare.details) = (None, None);
+    bare.findings = Findings::default();
     let dir = root.path().join("bare");
     report::write(&dir, &bare, false).unwrap();
     assert_eq!(listing(&dir), ["points.svg", "report.html", "summary.json"]);
@@ -433,7 +423,7 @@ fn files_for_what_there_is() {
 fn neighbor_functions_read_back_as_the_same_numbers() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
-    let functions = &mut a.neighbors.as_mut().unwrap().functions;
+    let functions = &mut a.findings.get_mut::<Neighbors>().unwrap().functions;
     (functions.g[3], functions.j[4]) = (None, None);
     let functions = functions.clone();
     report::write(&root.path().join("out"), &a, false).unwrap();
@@ -459,28 +449,29 @@ fn neighbor_functions_read_back_as_the_same_numbers() {
 fn tables_read_back_as_the_same_numbers() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
-    let g = a.pair_correlation.as_mut().unwrap();
+    let g = a.findings.get_mut::<PairCorrelation>().unwrap();
     (g.g[0], g.g_se[0], g.g[1]) = (f64::NAN, f64::INFINITY, 1.0 / 3.0 * 1e-7);
+    let r = g.r.clone();
     let kernel = Kernel { shape: SmoothingKernel::Box, bandwidth: 0.01 };
     let half: Vec<_> = (0..16).map(|b| (b >= 2).then_some(f64::from(b) / 3.0)).collect();
-    a.kernel = Some(KernelEstimate {
+    a.findings.insert(KernelEstimate {
         kernel,
         divisor: Divisor::R,
         road: KernelRoad::Binned,
-        r: g.r.clone(),
+        r,
         g: half.clone(),
         g_se: half,
         errors: ErrorSource::AcrossRealizations,
         bound: 1e-6,
         cross_validation: None,
     });
-    a.envelopes = Some(envelopes(&a, 19));
-    a.radial.as_mut().unwrap().rings[0].anisotropy_db = None;
+    a.findings.insert(envelopes(&a, 19));
+    a.findings.get_mut::<RadialSpectrum>().unwrap().rings[0].anisotropy_db = None;
     report::write(root.path(), &a, false).unwrap();
 
     let (header, c) = columns(&root.path().join("pcf.csv"));
     assert_eq!(header, ["r_lo", "r", "r_hi", "count", "g", "g_se", "g_kernel", "g_kernel_se"]);
-    let g = a.pair_correlation.as_ref().unwrap();
+    let g = a.pair_correlation().unwrap();
     for (name, values) in [("r_lo", &g.r_lo), ("r", &g.r), ("r_hi", &g.r_hi)] {
         assert_eq!(&floats(&c[name]), values, "{name}");
     }
@@ -497,7 +488,7 @@ fn tables_read_back_as_the_same_numbers() {
 
     let (header, c) = columns(&root.path().join("envelope.csv"));
     assert_eq!(header, ["curve", "r", "observed", "lo", "hi", "global_lo", "global_hi"]);
-    let e = &a.envelopes.as_ref().unwrap().curves[0];
+    let e = &a.envelopes().unwrap().curves[0];
     assert!(c["curve"].iter().all(|name| name == "g"));
     assert_eq!(c["observed"][0], "", "undefined, as in pcf.csv");
     for (name, values) in
@@ -513,7 +504,7 @@ fn tables_read_back_as_the_same_numbers() {
     let names = "nu_lo,nu,nu_hi,modes,p,p_se,anisotropy_db,anisotropy_reference_db,anisotropy_db_se,independent_modes,\
                  p_lo,p_hi,p_band,m";
     assert_eq!(header.join(","), names);
-    let rings = &a.radial.as_ref().unwrap().rings;
+    let rings = &a.radial().unwrap().rings;
     assert_eq!(floats(&c["p"]), rings.iter().map(|r| r.p).collect::<Vec<_>>());
     assert_eq!(floats(&c["p_se"]), rings.iter().map(|r| r.p_se).collect::<Vec<_>>());
     assert_eq!(c["anisotropy_db"][0], "");
@@ -539,7 +530,7 @@ fn details_of_the_spectrum_read_back() {
         raw(2, xy.iter().enumerate().map(|(i, x)| x * [2.0, 1.0][i % 2]).collect())
     };
     let mut a = analyze("unequal sides", &torus, &[stretch(1), stretch(2)], bins(), &[40, 20]);
-    let details = a.details.as_mut().unwrap();
+    let details = a.findings.get_mut::<SpectrumDetails>().unwrap();
     details.axes.modes[1].band = None;
     details.angular.as_mut().unwrap().sectors[2].ratio = None;
     let details = details.clone();
@@ -559,7 +550,7 @@ fn details_of_the_spectrum_read_back() {
     assert_eq!(floats(&c["p"]), sectors.iter().map(|s| s.p).collect::<Vec<_>>());
     assert_eq!(c["ratio"][2], "");
     assert!((floats(&c["theta_lo"])[1] - 5.0).abs() < 1e-12 && (floats(&c["theta_hi"])[1] - 15.0).abs() < 1e-12);
-    let modes: u64 = a.radial.as_ref().unwrap().rings.iter().map(|r| r.modes).sum();
+    let modes: u64 = a.radial().unwrap().rings.iter().map(|r| r.modes).sum();
     assert_eq!(c["modes"].iter().map(|m| m.parse::<u64>().unwrap()).sum::<u64>(), modes);
 
     let of_pcf = details.of_pcf.as_ref().unwrap();
@@ -595,15 +586,15 @@ fn details_of_the_spectrum_read_back() {
 fn k_and_two_classes_read_back() {
     let root = tempfile::tempdir().unwrap();
     let mut a = with_classes(60);
-    a.k_function.as_mut().unwrap().l_se[0] = None;
-    a.cross.as_mut().unwrap().a.g[0] = f64::NAN;
+    a.findings.get_mut::<KFunction>().unwrap().l_se[0] = None;
+    a.findings.get_mut::<CrossCorrelation>().unwrap().a.g[0] = f64::NAN;
     report::write(root.path(), &a, false).unwrap();
     for file in ["k_function.csv", "k_function.svg", "pcf_cross.csv", "pcf_cross.svg"] {
         assert!(listing(root.path()).contains(&file.to_string()), "{file}");
     }
     let (header, c) = columns(&root.path().join("k_function.csv"));
     assert_eq!(header, ["r", "k", "k_se", "l", "l_se", "l_minus_r", "neighbors"]);
-    let k = a.k_function.as_ref().unwrap();
+    let k = a.k_function().unwrap();
     for (name, values) in [("r", &k.r), ("k", &k.k), ("k_se", &k.k_se), ("l", &k.l), ("neighbors", &k.neighbors)] {
         assert_eq!(&floats(&c[name]), values, "{name}");
     }
@@ -613,7 +604,7 @@ fn k_and_two_classes_read_back() {
     let (header, c) = columns(&root.path().join("pcf_cross.csv"));
     let names = "r_lo,r,r_hi,count_aa,g_aa,g_aa_se,count_bb,g_bb,g_bb_se,count_ab,g_ab,g_ab_se";
     assert_eq!(header.join(","), names);
-    let cross = a.cross.as_ref().unwrap();
+    let cross = a.cross().unwrap();
     assert_eq!(c["g_aa"][0], "");
     assert_eq!(floats(&c["g_bb"]), cross.b.g);
     assert_eq!(floats(&c["g_ab"]), cross.between.g);
@@ -631,7 +622,7 @@ fn grids_read_back_with_x_first_and_dc_in_the_middle() {
     let root = tempfile::tempdir().unwrap();
     let a = small();
     report::write(root.path(), &a, false).unwrap();
-    let spectrum = a.spectrum.as_ref().unwrap();
+    let spectrum = a.spectrum().unwrap();
     for (file, half) in [("spectrum.npy", &spectrum.p), ("spectrum_se.npy", &spectrum.p_se)] {
         let bytes = fs::read(root.path().join(file)).unwrap();
         let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
@@ -654,7 +645,7 @@ fn grids_read_back_with_x_first_and_dc_in_the_middle() {
 fn the_vector_g_has_x_first_and_y_upward() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
-    let vector = a.vector.as_mut().unwrap();
+    let vector = a.findings.get_mut::<VectorCorrelation>().unwrap();
     let (x, y) = (5, 17);
     vector.g.fill(1.0);
     vector.g[x * 24 + y] = 7.25;
@@ -697,7 +688,7 @@ fn the_summary_holds_the_scalars() {
     let mut a = small();
     a.parameters = vec![("z".into(), "1".into()), ("a".into(), "2".into()), ("z".into(), "3".into())];
     a.warnings = vec!["mind \"this\"".into()];
-    a.neighbors.as_mut().unwrap().distances.mean_se = Some(f64::NAN);
+    a.findings.get_mut::<Neighbors>().unwrap().distances.mean_se = Some(f64::NAN);
     report::write(root.path(), &a, false).unwrap();
     let summary = json(root.path());
     assert_eq!(summary["schema"], 1);
@@ -707,7 +698,7 @@ fn the_summary_holds_the_scalars() {
     assert_eq!(summary["domain"]["boundary"], "torus");
     assert_eq!(summary["accuracy"]["power_bound"]["max_uniform"], 1e-11);
     assert_eq!(summary["pair_correlation"]["errors"], "across-realizations");
-    assert_eq!(summary["spectrum"]["dc_p"].as_f64().unwrap(), a.spectrum.as_ref().unwrap().dc().unwrap().0);
+    assert_eq!(summary["spectrum"]["dc_p"].as_f64().unwrap(), a.spectrum().unwrap().dc().unwrap().0);
     assert!(summary["neighbors"]["mean_se"].is_null());
     assert_eq!(summary["warnings"][0], "mind \"this\"");
     assert_eq!(summary["timings_seconds"]["wave_power"], 1.5);
@@ -756,8 +747,9 @@ fn an_existing_result_needs_force() {
     // Forced: ours that the new result lacks go away, what is not ours stays.
     fs::write(dir.join("notes.txt"), "mine").unwrap();
     let mut less = small();
-    (less.spectrum, less.radial, less.vector, less.neighbors) = (None, None, None, None);
-    less.details = None;
+    remove_spectrum(&mut less);
+    less.findings.remove::<VectorCorrelation>();
+    less.findings.remove::<Neighbors>();
     less.subject = "the second".into();
     report::write(&dir, &less, true).unwrap();
     let kept = ["notes.txt", "pcf.csv", "pcf.svg", "points.svg", "report.html", "summary.json"];
@@ -803,7 +795,7 @@ fn bad_paths_fail_early_and_name_the_flag() {
 fn a_failure_leaves_everything_as_it_was() {
     // A spectrum whose store is too short cannot be written: the run dies in the middle, after the first tables.
     let mut broken = small();
-    broken.spectrum.as_mut().unwrap().p_se.truncate(3);
+    broken.findings.get_mut::<PowerSpectrum>().unwrap().p_se.truncate(3);
     let root = tempfile::tempdir().unwrap();
     let attempt = |dir: &Path, force| {
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| report::write(dir, &broken, force)))
@@ -836,7 +828,7 @@ fn the_picture_keeps_its_tone_map() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
     let n = a.shape.mean_points;
-    let spectrum = a.spectrum.as_mut().unwrap();
+    let spectrum = a.findings.get_mut::<PowerSpectrum>().unwrap();
     spectrum.waves = WaveGrid::new(&[3, 4]).unwrap().into();
     spectrum.p.fill(0.0);
     for (m, p) in [([0, 0, 0], 1e6), ([1, 0, 0], 1.0), ([0, 4, 0], 1e9), ([3, -4, 0], n)] {
@@ -868,14 +860,15 @@ fn isolated_peaks_are_seen() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
     a.shape.mean_points = 4096.0;
-    let spectrum = a.spectrum.as_mut().unwrap();
+    let spectrum = a.findings.get_mut::<PowerSpectrum>().unwrap();
     let grid = WaveGrid::new(&[1000, 600]).unwrap();
     spectrum.waves = grid.into();
     spectrum.p = vec![0.0; grid.half_len()];
     spectrum.p_se = spectrum.p.clone();
     spectrum.p[grid.half_index([100, -50, 0])] = 4096.0;
     a.grid_wanted = true;
-    (a.radial, a.details) = (None, None);
+    a.findings.remove::<RadialSpectrum>();
+    a.findings.remove::<SpectrumDetails>();
     report::write(root.path(), &a, false).unwrap();
     let (size, _, pixels) = picture(&root.path().join("spectrum.png"));
     assert_eq!(size, [2001, 1201]);

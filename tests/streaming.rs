@@ -65,7 +65,7 @@ fn steps_end_with_the_bytes_of_the_whole() {
             let done = status.tracks.iter().map(|t| t.done).sum::<u64>();
             assert!(done > seen, "every step adds");
             seen = done;
-            assert!(running.analysis().unwrap().spectrum.is_some() || status.tracks[2].done == 0);
+            assert!(running.analysis().unwrap().spectrum().is_some() || status.tracks[2].done == 0);
         }
         assert_same(&files(&running.analysis().unwrap()), &at_once(&line));
     }

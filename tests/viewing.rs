@@ -13,6 +13,7 @@ use std::path::Path;
 use common::*;
 use pairwave::analysis::{self, Analysis, Plan};
 use pairwave::compute::{Control, cpu::Cpu};
+use pairwave::estimate::PowerSpectrum;
 use pairwave::points::{Domain, Ensemble};
 use pairwave::report::{self, Axis, AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap, overlays};
 use pairwave::request::Request;
@@ -156,7 +157,8 @@ fn pictures_of_grids_are_well_formed_and_hold_their_picture() {
         format!("--sampler random --box 40,1 -n 64 {STATS}"),
     ] {
         // The sampler takes no subject that needs escaping; a person's file name may.
-        let analysis = Analysis { subject: "<a> & \"b\"".into(), ..analyze(&scene) };
+        let mut analysis = analyze(&scene);
+        analysis.subject = "<a> & \"b\"".into();
         for (panel, pictures) in [(Panel::Spectrum, 2), (Panel::Vector, if scene.contains("--dim 3") { 4 } else { 2 })]
         {
             let svg = panel.svg(&analysis).unwrap().unwrap();
@@ -192,7 +194,7 @@ fn the_points_read_back() {
 #[test]
 fn curves_are_the_estimates_in_the_units_of_their_axes() {
     let analysis = analyze(&format!("--sampler jittered -n 64 -k 5 --max-frequency 12 --bins 40 {STATS}"));
-    let (g, radial) = (analysis.pair_correlation.as_ref().unwrap(), analysis.radial.as_ref().unwrap());
+    let (g, radial) = (analysis.pair_correlation().unwrap(), analysis.radial().unwrap());
     let r = Axis::distance(&analysis, LengthUnit::PackingDistance, AxisScale::Linear);
     let curve = Panel::Pcf.curve(&analysis, r, Axis::g(AxisScale::Linear)).unwrap();
     let unit = LengthUnit::PackingDistance.size(&analysis.domain, 64.0);
@@ -317,7 +319,7 @@ fn panels_say_what_they_need_and_mean() {
 #[test]
 fn what_is_read_out_is_the_estimate() {
     let a = analyze(&format!("--sampler jittered -n 64 -k 4 {STATS} --bins 20"));
-    let (g, rings) = (a.pair_correlation.as_ref().unwrap(), &a.radial.as_ref().unwrap().rings);
+    let (g, rings) = (a.pair_correlation().unwrap(), &a.radial().unwrap().rings);
     for b in 0..g.g.len() {
         for r in [g.r_lo[b], g.r[b], 0.5 * (g.r[b] + g.r_hi[b])] {
             let at = report::bin_at(&a, r).unwrap();
@@ -332,7 +334,7 @@ fn what_is_read_out_is_the_estimate() {
         assert_eq!((at.anisotropy_db, at.anisotropy_db_se), (ring.anisotropy_db, ring.anisotropy_db_se));
         assert_eq!(at.theory, a.closed_form.radial.as_ref().map(|theory| theory[k]));
     }
-    let spectrum = a.spectrum.as_ref().unwrap();
+    let spectrum = a.spectrum().unwrap();
     let grid = spectrum.waves.grid().unwrap();
     for (m0, m1) in [(3, -2), (-7, 1), (0, 5), (-40, 40)] {
         let at = report::spectrum_at(&a, [f64::from(m0) + 0.4, f64::from(m1) - 0.4]).unwrap();
@@ -340,7 +342,7 @@ fn what_is_read_out_is_the_estimate() {
         assert_eq!((at.m, at.p, at.se), ([m0, m1, 0], spectrum.p[index], Some(spectrum.p_se[index])));
     }
     assert_eq!(report::spectrum_at(&a, [0.2, -0.3]).unwrap().se, None);
-    let vector = a.vector.as_ref().unwrap();
+    let vector = a.vector().unwrap();
     for cell in [0, 77, 2000, vector.g.len() - 1] {
         let lag = [vector.grid.centre(cell, 0), vector.grid.centre(cell, 1)];
         let at = report::vector_at(&a, lag, 0).unwrap();
@@ -448,7 +450,7 @@ fn pictures_with_little_room_keep_peaks_and_means() {
     let mut a = analyze(
         "--sampler random -n 64 -k 4 --stats spectrum,pcf-vector --max-frequency 20 --lag-bins 15 --lag-max 0.3",
     );
-    let spectrum = a.spectrum.as_mut().unwrap();
+    let spectrum = a.findings.get_mut::<PowerSpectrum>().unwrap();
     let grid = *spectrum.waves.grid().unwrap();
     spectrum.p.fill(0.5);
     spectrum.p[grid.half_index([7, 12, 0])] = 60.0;
@@ -465,7 +467,7 @@ fn pictures_with_little_room_keep_peaks_and_means() {
     assert_eq!(count, 2, "one pixel each");
     // 15 cells in 5 pixels of 3, which are means.
     let pixels = report::vector_pixels(&a, Some(1.0), ColorMap::BlueRed, 0, 7).unwrap();
-    let vector = a.vector.as_ref().unwrap();
+    let vector = a.vector().unwrap();
     assert_eq!((pixels.width, pixels.height), (5, 5));
     assert!(pixels.extent.iter().flatten().all(|end| (end.abs() - 0.3).abs() < 1e-12), "{:?}", pixels.extent);
     let strides = vector.grid.strides();
@@ -478,9 +480,9 @@ fn pictures_with_little_room_keep_peaks_and_means() {
 fn pictures_of_space_are_slices() {
     let a = analyze(&format!("--sampler random --dim 3 -n 40 {STATS} --max-frequency 3 --lag-bins 6"));
     let pixels = report::spectrum_pixels(&a, ToneMap::Reinhard, None, ColorMap::Viridis, 2048).unwrap();
-    let p = a.spectrum.as_ref().unwrap().at([2, -1, 0]).unwrap();
+    let p = a.spectrum().unwrap().at([2, -1, 0]).unwrap();
     assert_eq!(color_at(&pixels, [2.0, -1.0]), ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 40.0)));
-    let vector = a.vector.as_ref().unwrap();
+    let vector = a.vector().unwrap();
     let strides = vector.grid.strides();
     for (plane, [right, up]) in overlays::planes(3).iter().enumerate() {
         let pixels = report::vector_pixels(&a, Some(0.7), ColorMap::BlueRed, plane, 2048).unwrap();

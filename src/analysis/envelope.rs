@@ -6,30 +6,9 @@ use super::measure::{Input, Measured, measure};
 use super::{Clock, Estimates, Progress};
 use crate::compute::{Control, WithFallback};
 use crate::error::Result;
-use crate::estimate::{Curve, Envelope, Normalization};
+use crate::estimate::{Curve, Envelope, Envelopes, Normalization};
 use crate::points::{Domain, Ensemble, RawPoints};
 use crate::samplers::{self, ParameterValues, Realization};
-
-/// The observed curves among simulated ones.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Envelopes {
-    /// Number of simulations.
-    pub simulations: u64,
-    /// One per curve.
-    pub curves: Vec<Envelope>,
-}
-
-impl Envelopes {
-    /// The probability that independent points leave a pointwise envelope at one r chosen beforehand.
-    pub fn pointwise_significance(&self) -> f64 {
-        2.0 / (self.simulations as f64 + 1.0)
-    }
-
-    /// The envelope of a curve.
-    pub fn find(&self, name: &str) -> Option<&Envelope> {
-        self.curves.iter().find(|e| e.observed.name == name)
-    }
-}
 
 /// Every estimated function that has an envelope.
 fn curves(estimates: &Estimates) -> Vec<Curve> {

@@ -11,7 +11,6 @@ mod sums;
 
 use std::time::Instant;
 
-pub use envelope::Envelopes;
 use envelope::envelopes;
 use measure::{Input, Measured, measure};
 pub use plan::Plan;
@@ -19,90 +18,16 @@ use plan::{check_convention, check_points};
 pub use running::{Running, Status, TrackStatus};
 
 use crate::accumulate::LagCounts;
-use crate::compute::{Compute, ComputedBy, Control, WithFallback};
+use crate::compute::{Compute, Control, WithFallback};
 use crate::error::Result;
 use crate::estimate::{
-    AmplitudeCovariance, CrossCorrelation, KFunction, KernelEstimate, Neighbors, Normalization, PairCorrelation,
-    PowerSpectrum, PsaStatistics, RadialSpectrum, SpectrumDetails, VectorCorrelation,
+    AmplitudeCovariance, CrossCorrelation, Findings, KFunction, KernelEstimate, Neighbors, Normalization,
+    PairCorrelation, PowerSpectrum, PsaStatistics, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
-use crate::plan::{Accuracy, Convention, Correction, Debias, EnsembleShape, LagPlan, MAX_FREQUENCY, Taper, TaperPlan};
-use crate::points::{Domain, Ensemble};
+pub use crate::estimate::{Analysis, ClosedForm, Envelopes};
+use crate::plan::{Convention, Correction, Debias, LagPlan, MAX_FREQUENCY, Taper, TaperPlan};
 use crate::request::Request;
 use crate::source::Source;
-
-/// Everything `analyze` found.
-#[derive(Debug)]
-pub struct Analysis {
-    /// What was analyzed, in words: `sampler jittered, n 1024, K 20, seed 1` or the input files.
-    pub subject: String,
-    /// Settings as (name, value), in a fixed order, for the summary.
-    pub parameters: Vec<(String, String)>,
-    /// The domain.
-    pub domain: Domain,
-    /// Number and size of realizations.
-    pub shape: EnsembleShape,
-    /// Smallest number of points in a realization.
-    pub min_points: u64,
-    /// The edge correction of g.
-    pub correction: Correction,
-    /// g per bin.
-    pub pair_correlation: Option<PairCorrelation>,
-    /// g of two classes of points, and between them.
-    pub cross: Option<CrossCorrelation>,
-    /// K, L and the mean number of neighbours.
-    pub k_function: Option<KFunction>,
-    /// g smoothed, at the bin centres.
-    pub kernel: Option<KernelEstimate>,
-    /// Envelopes of complete spatial randomness.
-    pub envelopes: Option<Envelopes>,
-    /// g per cell of lags.
-    pub vector: Option<VectorCorrelation>,
-    /// P on the grid.
-    pub spectrum: Option<PowerSpectrum>,
-    /// Whether the grid itself was asked for, not only its rings.
-    pub grid_wanted: bool,
-    /// Radial mean and anisotropy.
-    pub radial: Option<RadialSpectrum>,
-    /// What else is read off P.
-    pub details: Option<SpectrumDetails>,
-    /// Covariance of the amplitudes of low frequencies.
-    pub covariance: Option<AmplitudeCovariance>,
-    /// Whose rings and labels these are.
-    pub convention: Convention,
-    /// Whether with the defects of that program.
-    pub bug_compatible: bool,
-    /// What PSA says of the spectrum, by its own route.
-    pub psa: Option<PsaStatistics>,
-    /// Nearest-neighbour statistics.
-    pub neighbors: Option<Neighbors>,
-    /// What theory says, where the process has a closed form.
-    pub closed_form: ClosedForm,
-    /// The accuracy asked for.
-    pub accuracy: Accuracy,
-    /// Who computed the sums.
-    pub computed_by: ComputedBy,
-    /// The plans, printed.
-    pub plan: String,
-    /// Wall time per stage, seconds.
-    pub timings: Vec<(&'static str, f64)>,
-    /// Points that coincide with an earlier one of their realization.
-    pub duplicates: u64,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-    /// The first realization, for pictures.
-    pub first: Ensemble,
-}
-
-/// Curves known in closed form, at the abscissae of the estimates.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ClosedForm {
-    /// The process, for legends.
-    pub name: String,
-    /// g at the bin centres, in the normalization of the estimate.
-    pub g: Option<Vec<f64>>,
-    /// Mean of P over each ring.
-    pub radial: Option<Vec<f64>>,
-}
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -315,36 +240,34 @@ fn analysis(request: &Request, source: &Source, measured: Measured<'_>, found: F
         _ => ClosedForm::default(),
     };
     clock.add("estimates", start.elapsed().as_secs_f64());
+    let mut findings = Findings::default();
+    findings.add(pair_correlation);
+    findings.add(cross);
+    findings.add(k_function);
+    findings.add(kernel);
+    findings.add(envelopes);
+    findings.add(vector);
+    findings.add(spectrum);
+    findings.add(radial);
+    findings.add(details);
+    findings.add(covariance);
+    findings.add(psa);
+    findings.add(neighbors);
     Analysis {
-        subject: source.subject().to_string(),
         parameters: request.parameters(),
-        domain: source.domain().clone(),
-        shape,
         min_points: sizes.iter().copied().min().unwrap_or(0),
         correction: plan.pairs.as_ref().map_or(Correction::None, |p| p.correction),
-        pair_correlation,
-        cross,
-        k_function,
-        kernel,
-        envelopes,
-        vector,
-        spectrum,
         grid_wanted: plan.grid_wanted,
-        radial,
-        details,
-        covariance,
         convention: request.convention,
         bug_compatible: request.bug_compatible,
-        psa,
-        neighbors,
         closed_form,
         accuracy: request.accuracy,
-        computed_by: sums.computed_by(),
         plan: plan.to_string(),
         timings: clock.stages,
         duplicates,
         warnings,
-        first,
+        findings,
+        ..Analysis::new(source.subject(), shape, first, sums.computed_by())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Pair counts of two classes of points -> g within each and between them.
 
+use super::Analysis;
 use super::{Normalization, PairCorrelation};
 use crate::accumulate::CrossCounts;
 use crate::plan::PairPlan;
@@ -26,5 +27,12 @@ impl CrossCorrelation {
         let mut between = g(&counts.between);
         between.count.iter_mut().for_each(|c| *c /= 2);
         Self { classes, a: g(&counts.a), b: g(&counts.b), between }
+    }
+}
+
+impl Analysis {
+    /// g of two classes of points, and between them.
+    pub fn cross(&self) -> Option<&CrossCorrelation> {
+        self.get()
     }
 }

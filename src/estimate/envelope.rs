@@ -1,5 +1,7 @@
 //! Curves of simulations -> pointwise and global envelopes, with p-values.
 
+use super::Analysis;
+
 use std::cmp::Ordering;
 
 /// One estimated function, of the data or of a simulation. NaN where it is undefined.
@@ -94,4 +96,32 @@ fn hull(curves: &[&[f64]], len: usize) -> [Vec<f64>; 2] {
         (0..len).map(at).collect()
     };
     [over(f64::INFINITY, f64::min), over(f64::NEG_INFINITY, f64::max)]
+}
+
+/// The observed curves among simulated ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Envelopes {
+    /// Number of simulations.
+    pub simulations: u64,
+    /// One per curve.
+    pub curves: Vec<Envelope>,
+}
+
+impl Envelopes {
+    /// The probability that independent points leave a pointwise envelope at one r chosen beforehand.
+    pub fn pointwise_significance(&self) -> f64 {
+        2.0 / (self.simulations as f64 + 1.0)
+    }
+
+    /// The envelope of a curve.
+    pub fn find(&self, name: &str) -> Option<&Envelope> {
+        self.curves.iter().find(|e| e.observed.name == name)
+    }
+}
+
+impl Analysis {
+    /// Envelopes of complete spatial randomness.
+    pub fn envelopes(&self) -> Option<&Envelopes> {
+        self.get()
+    }
 }

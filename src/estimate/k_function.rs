@@ -1,5 +1,6 @@
 //! Pair counts -> Ripley's K(r), L(r) and the mean number of neighbours.
 
+use super::Analysis;
 use super::ratio::{mean_weight, ratio};
 use super::{ErrorSource, Normalization};
 use crate::accumulate::PairCounts;
@@ -69,5 +70,12 @@ impl KFunction {
         let l_minus_r = l.iter().zip(&r).map(|(l, r)| l - r).collect();
         let errors = ErrorSource::of(counts.realizations);
         Some(Self { r, k, k_se, l, l_se, l_minus_r, neighbors, errors, normalization })
+    }
+}
+
+impl Analysis {
+    /// K, L and the mean number of neighbours.
+    pub fn k_function(&self) -> Option<&KFunction> {
+        self.get()
     }
 }

@@ -1,5 +1,6 @@
 //! 5. Raw sums -> physical numbers with errors and units. Pure functions; all divisions are here.
 
+mod analysis;
 mod angular_spectrum;
 mod axis_slices;
 mod blue_noise;
@@ -24,6 +25,7 @@ mod spectrum_scalars;
 mod vector_correlation;
 mod wave_covariance;
 
+pub use analysis::{Analysis, ClosedForm, Finding, Findings};
 pub use angular_spectrum::{AngularSpectrum, SectorPower};
 pub use axis_slices::{AxisMode, AxisSlices};
 pub use blue_noise::BlueNoise;
@@ -31,7 +33,7 @@ pub use confidence::{Band, BandLaw, CONFIDENCE, MANY_ORDINATES, MANY_REALIZATION
 pub use cross_correlation::CrossCorrelation;
 pub use cross_validation::CrossValidation;
 pub use diaphony::Diaphony;
-pub use envelope::{Curve, Envelope};
+pub use envelope::{Curve, Envelope, Envelopes};
 pub use k_function::KFunction;
 pub use lag_consistency::LagConsistency;
 pub use low_frequency::LowFrequency;

@@ -1,5 +1,6 @@
 //! Pair counts -> the pair correlation function g(r).
 
+use super::Analysis;
 use super::ErrorSource;
 use super::ratio::{mean_weight, ratio};
 use crate::accumulate::PairCounts;
@@ -75,5 +76,12 @@ impl PairCorrelation {
         let scale = |values: Vec<f64>| values.into_iter().enumerate().map(|(b, g)| g * part(b)).collect();
         let (g, g_se) = if bug_compatible { (scale(self.g), scale(self.g_se)) } else { (self.g, self.g_se) };
         Self { r: self.r_lo.clone(), g, g_se, ..self }
+    }
+}
+
+impl Analysis {
+    /// g per bin.
+    pub fn pair_correlation(&self) -> Option<&PairCorrelation> {
+        self.get()
     }
 }

@@ -1,5 +1,6 @@
 //! Kernel sums -> smoothed g(r).
 
+use super::Analysis;
 use super::{CrossValidation, ErrorSource, Normalization, ratio_standard_error};
 use crate::accumulate::KernelSums;
 use crate::plan::{Divisor, Kernel, KernelPlan, KernelRoad, sphere_surface};
@@ -60,5 +61,12 @@ impl KernelEstimate {
         let (g, g_se) = plan.r.iter().enumerate().map(at).unzip();
         let (kernel, divisor, road) = (plan.kernel, plan.divisor, plan.road);
         Self { kernel, divisor, road, r: plan.r.clone(), g, g_se, errors, bound, cross_validation: None }
+    }
+}
+
+impl Analysis {
+    /// g smoothed, at the bin centres.
+    pub fn kernel(&self) -> Option<&KernelEstimate> {
+        self.get()
     }
 }

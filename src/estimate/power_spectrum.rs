@@ -1,5 +1,6 @@
 //! Wave power -> the power spectrum P(m) on the integer grid.
 
+use super::Analysis;
 use super::confidence::{Band, Realizations};
 use super::{ErrorSource, ratio_standard_error};
 use crate::accumulate::{PowerMoments, WavePower};
@@ -99,4 +100,11 @@ pub(super) fn ratio_estimate(
             (ratio / members(i), se / members(i))
         })
         .unzip()
+}
+
+impl Analysis {
+    /// P on the grid or at a list of wave vectors.
+    pub fn spectrum(&self) -> Option<&PowerSpectrum> {
+        self.get()
+    }
 }

@@ -2,6 +2,8 @@
 //! transform of the pair counts.
 //! See `docs/spectrum-scalars.md`.
 
+use super::Analysis;
+
 /// What PSA prints.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PsaStatistics {
@@ -92,5 +94,12 @@ fn trapezoid(values: &[f64], step: f64) -> f64 {
     match values {
         [first, .., last] => step * (values.iter().sum::<f64>() - 0.5 * (first + last)),
         _ => 0.0,
+    }
+}
+
+impl Analysis {
+    /// What PSA says of the spectrum, by its own method.
+    pub fn psa(&self) -> Option<&PsaStatistics> {
+        self.get()
     }
 }

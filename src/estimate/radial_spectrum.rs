@@ -1,5 +1,6 @@
 //! Wave power -> radial mean and anisotropy.
 
+use super::Analysis;
 use super::confidence::Band;
 use super::power_spectrum::{ratio_estimate, realizations};
 use super::{ErrorSource, PowerSpectrum};
@@ -151,4 +152,11 @@ fn spread(plan: &WavePlan, p: &[f64], mean: &[f64]) -> Vec<f64> {
         }
     }
     spread
+}
+
+impl Analysis {
+    /// Radial mean and anisotropy.
+    pub fn radial(&self) -> Option<&RadialSpectrum> {
+        self.get()
+    }
 }

@@ -1,5 +1,6 @@
 //! All that is read off a power spectrum besides its rings.
 
+use super::Analysis;
 use super::{
     AngularSpectrum, AxisSlices, LagConsistency, PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumOfPcf,
     SpectrumScalars, VectorCorrelation,
@@ -41,5 +42,12 @@ impl SpectrumDetails {
                 .filter(|_| plan.needed().is_none())
                 .and_then(|v| LagConsistency::new(&plan.domain, plan.shape, v, spectrum)),
         }
+    }
+}
+
+impl Analysis {
+    /// What else is read off P.
+    pub fn details(&self) -> Option<&SpectrumDetails> {
+        self.get()
     }
 }

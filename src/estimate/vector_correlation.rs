@@ -1,5 +1,6 @@
 //! Lag counts -> the pair correlation function of the vector between two points, g(h), and g(r, theta) along rings.
 
+use super::Analysis;
 use super::ratio::{Ratio, ratio_of};
 use super::{ErrorSource, Normalization};
 use crate::accumulate::LagCounts;
@@ -112,4 +113,11 @@ fn axis_measures(plan: &LagPlan) -> Vec<Vec<f64>> {
         (0..grid.bins).map(bin).collect()
     };
     plan.domain.sides().iter().enumerate().map(|(k, &side)| axis(k, side)).collect()
+}
+
+impl Analysis {
+    /// g per cell of lags.
+    pub fn vector(&self) -> Option<&VectorCorrelation> {
+        self.get()
+    }
 }

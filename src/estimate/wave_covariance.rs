@@ -1,5 +1,6 @@
 //! Products of amplitudes -> their covariance, and whether it looks stationary.
 
+use super::Analysis;
 use super::{ErrorSource, ratio_standard_error};
 use crate::accumulate::WaveCovariance;
 use crate::plan::{Accuracy, CovariancePlan, WaveGrid};
@@ -116,5 +117,12 @@ impl CovarianceScalars {
             largest_z: (pairs > 0).then_some(largest),
             rms_z: (pairs > 0).then(|| (z_squared / pairs as f64).sqrt()),
         }
+    }
+}
+
+impl Analysis {
+    /// Covariance of the amplitudes of low frequencies.
+    pub fn covariance(&self) -> Option<&AmplitudeCovariance> {
+        self.get()
     }
 }

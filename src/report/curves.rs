@@ -96,7 +96,7 @@ impl Panel {
         let rings = matches!(self, Self::Radial | Self::Anisotropy);
         if self == Self::Anisotropy && analysis.domain.dim() == 1 {
             "in one dimension a ring is a single mode, which has no anisotropy"
-        } else if rings && analysis.spectrum.as_ref().is_some_and(|s| s.waves.grid().is_none()) {
+        } else if rings && analysis.spectrum().is_some_and(|s| s.waves.grid().is_none()) {
             "the wave vectors of a list form no rings"
         } else {
             "these settings give no such curve"
@@ -105,12 +105,12 @@ impl Panel {
 
     /// Why an analysis has no such picture.
     pub fn without_picture(self, analysis: &Analysis) -> &'static str {
-        let listed = analysis.spectrum.as_ref().is_some_and(|s| s.waves.grid().is_none());
+        let listed = analysis.spectrum().is_some_and(|s| s.waves.grid().is_none());
         if analysis.domain.dim() == 1 {
             "in one dimension there is no picture: the curves show all"
         } else if self == Self::Spectrum && listed {
             "the wave vectors of a list form no grid"
-        } else if self == Self::Spectrum && analysis.spectrum.is_none() {
+        } else if self == Self::Spectrum && analysis.spectrum().is_none() {
             "only the frequencies that rings need are measured, which form no grid"
         } else {
             "these settings give no such picture"
@@ -138,7 +138,7 @@ impl Panel {
         let around = |value: f64, se: f64| (value.is_finite() && se.is_finite()).then_some([value - se, value + se]);
         match self {
             Self::Pcf => {
-                let pcf = analysis.pair_correlation.as_ref()?;
+                let pcf = analysis.pair_correlation()?;
                 let closed = analysis.closed_form.g.as_deref().unwrap_or_default();
                 let samples = pcf.r.iter().enumerate().map(|(b, &x)| Sample {
                     x,
@@ -150,7 +150,7 @@ impl Panel {
                 Some((samples.collect(), Some(1.0), [0.0, top_of(&values, closed)]))
             }
             Self::Radial => {
-                let radial = analysis.radial.as_ref()?;
+                let radial = analysis.radial()?;
                 let closed = analysis.closed_form.radial.as_deref().unwrap_or_default();
                 let samples = radial.rings.iter().enumerate().map(|(k, ring)| Sample {
                     x: ring.nu,
@@ -162,7 +162,7 @@ impl Panel {
                 Some((samples.collect(), Some(1.0), [0.0, top_of(&values, closed)]))
             }
             Self::Anisotropy if analysis.domain.dim() > 1 => {
-                let radial = analysis.radial.as_ref()?;
+                let radial = analysis.radial()?;
                 let reference = radial.anisotropy_reference_db;
                 let samples = radial.rings.iter().map(|ring| Sample {
                     x: ring.nu,

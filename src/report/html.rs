@@ -99,10 +99,10 @@ pub(super) fn page(analysis: &Analysis, pictures: &Pictures) -> String {
         ("Backend".into(), backends.join(", ")),
         ("Program".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into()),
     ];
-    if a.pair_correlation.is_some() || a.vector.is_some() {
+    if a.pair_correlation().is_some() || a.vector().is_some() {
         rows.push(("Accuracy of the pair counts".into(), "exact".into()));
     }
-    if a.spectrum.is_some() {
+    if a.spectrum().is_some() {
         let bound = human(a.accuracy.power_bound().max_any(a.shape.max_points as f64));
         let name = a.accuracy.name();
         rows.push((
@@ -204,7 +204,7 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
             format!("{} length units", human(a.domain.closest_packing_distance(a.shape.mean_points))),
         ),
     ];
-    if let Some(neighbors) = &a.neighbors {
+    if let Some(neighbors) = a.neighbors() {
         let nn = &neighbors.distances;
         let relative = |r: Option<f64>| r.map_or(String::new(), |r| format!(" ({} {symbol})", human(r)));
         let value = |v: Option<f64>, se, r| {
@@ -227,15 +227,15 @@ fn scalars(a: &Analysis) -> Vec<(String, String)> {
             rows.push(("Shares of points with 5, 6, 7 neighbours".into(), shares));
         }
     }
-    if let Some((spectrum, (p, se))) = a.spectrum.as_ref().and_then(|s| Some((s, s.dc()?))) {
+    if let Some((spectrum, (p, se))) = a.spectrum().and_then(|s| Some((s, s.dc()?))) {
         let se = (spectrum.errors == ErrorSource::AcrossRealizations).then_some(se);
         rows.push(("<i>P</i> at zero frequency, ∑<i>n</i><sup>2</sup> / ∑<i>n</i>".into(), with_error(p, se)));
     }
-    if let Some(radial) = &a.radial {
+    if let Some(radial) = a.radial() {
         let db = human(radial.anisotropy_reference_db);
         rows.push(("Anisotropy if isotropic".into(), format!("{db} dB")));
     }
-    if let Some(details) = &a.details {
+    if let Some(details) = a.details() {
         rows.extend(spectrum_numbers::rows(details));
     }
     rows.push(("Coinciding points".into(), a.duplicates.to_string()));
@@ -252,13 +252,13 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
             "<figure><div class=\"picture\">{picture}</div>\n<figcaption>{caption}</figcaption></figure>\n"
         );
     };
-    if let (Some(svg), Some(pcf)) = (&pictures.pcf, &a.pair_correlation) {
+    if let (Some(svg), Some(pcf)) = (&pictures.pcf, a.pair_correlation()) {
         html.push_str("<h2>Pair correlation function</h2>\n");
         let pairs = match pcf.normalization {
             Normalization::Pairs => "<i>n</i>(<i>n</i> − 1)",
             Normalization::Intensity => "<i>n</i><sup>2</sup>",
         };
-        let kernel = a.kernel.as_ref().map_or(String::new(), |k| {
+        let kernel = a.kernel().map_or(String::new(), |k| {
             format!(
                 " The second curve is smoothed with {} {} kernel whose standard deviation is {} length units.",
                 if k.kernel.shape == crate::plan::SmoothingKernel::Epanechnikov { "an" } else { "a" },
@@ -285,7 +285,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         let caption = caption + &envelope(a, &["g", "g_kernel"]);
         figure(html, svg, &caption);
     }
-    if let (Some(svg), Some(cross)) = (&pictures.cross, &a.cross) {
+    if let (Some(svg), Some(cross)) = (&pictures.cross, a.cross()) {
         let [a, b] = cross.classes.each_ref().map(|name| escape(name));
         html.push_str("<h2>Two classes of points</h2>\n");
         let caption = format!(
@@ -296,7 +296,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
         figure(html, svg, &caption);
     }
-    if let (Some(svg), Some(_)) = (&pictures.k_function, &a.k_function) {
+    if let (Some(svg), Some(_)) = (&pictures.k_function, a.k_function()) {
         let (root, ball) = match a.domain.dim() {
             1 => ("<i>K</i> / 2", "length of an interval"),
             2 => ("√(<i>K</i> / π)", "area of a disk"),
@@ -312,7 +312,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
         figure(html, svg, &caption);
     }
-    if let Some(vector) = &a.vector {
+    if let Some(vector) = a.vector() {
         html.push_str("<h2>Pair correlation function of the vector</h2>\n");
         vector_figures(html, vector, pictures, figure);
     }
@@ -322,7 +322,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
     let definition = "<i>P</i>(<b>m</b>) = ∑<sub><i>k</i></sub> \
         |∑<sub><i>j</i></sub> exp(−2π<i>i</i> <b>m</b>·<b>x</b><sub><i>j</i></sub>/<i>L</i>)|<sup>2</sup> / \
         ∑<sub><i>k</i></sub> <i>n<sub>k</sub></i>";
-    if let Some(spectrum) = a.spectrum.as_ref().filter(|s| a.grid_wanted && s.waves.grid().is_none()) {
+    if let Some(spectrum) = a.spectrum().filter(|s| a.grid_wanted && s.waves.grid().is_none()) {
         let _ = writeln!(
             html,
             "<h2>Power spectrum</h2>\n<p>{definition} at {} listed wave vectors: see spectrum_list.csv.</p>",
@@ -378,7 +378,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
         figure(html, &picture, &caption);
     }
-    if let (Some(image), Some(covariance)) = (&pictures.covariance, &a.covariance) {
+    if let (Some(image), Some(covariance)) = (&pictures.covariance, a.covariance()) {
         html.push_str("<h2>Covariance of amplitudes</h2>\n");
         let data = base64::engine::general_purpose::STANDARD.encode(&image.png);
         let picture = format!(
@@ -402,7 +402,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
         );
         figure(html, &picture, &caption);
     }
-    if let (Some(svg), Some(neighbors)) = (&pictures.neighbor_functions, &a.neighbors) {
+    if let (Some(svg), Some(neighbors)) = (&pictures.neighbor_functions, a.neighbors()) {
         html.push_str("<h2>Nearest neighbours</h2>\n");
         let edges = if a.domain.is_torus() {
             ""
@@ -427,7 +427,7 @@ fn figures(html: &mut String, a: &Analysis, pictures: &Pictures) {
 
 /// What the envelopes of these curves say.
 fn envelope(a: &Analysis, names: &[&str]) -> String {
-    let Some(e) = &a.envelopes else { return String::new() };
+    let Some(e) = a.envelopes() else { return String::new() };
     let mut text = format!(
         " {} simulations of complete spatial randomness with as many points: at one <i>r</i> chosen beforehand, a random \
          pattern leaves their range with probability {}.",
@@ -525,21 +525,21 @@ fn errors(html: &mut String, a: &Analysis) {
             a.shape.realizations
         )
     };
-    if let Some(pcf) = &a.pair_correlation {
+    if let Some(pcf) = a.pair_correlation() {
         let text = match pcf.errors {
             ErrorSource::AcrossRealizations => across("each bin's <i>g</i>"),
             ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
         };
         rows.push(("<i>g</i>(<i>r</i>)".into(), text));
     }
-    if let Some(cross) = &a.cross {
+    if let Some(cross) = a.cross() {
         let text = match cross.between.errors {
             ErrorSource::AcrossRealizations => across("each bin's <i>g</i>"),
             ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
         };
         rows.push(("<i>g</i> of two classes".into(), text));
     }
-    if let Some(k) = &a.k_function {
+    if let Some(k) = a.k_function() {
         let text = match k.errors {
             ErrorSource::AcrossRealizations => across("<i>K</i>"),
             ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs, as for \
@@ -548,7 +548,7 @@ fn errors(html: &mut String, a: &Analysis) {
         };
         rows.push(("<i>K</i>(<i>r</i>), <i>L</i>(<i>r</i>)".into(), text));
     }
-    if let Some(kernel) = &a.kernel {
+    if let Some(kernel) = a.kernel() {
         let text = match kernel.errors {
             ErrorSource::AcrossRealizations => across("the estimate at each <i>r</i>"),
             ErrorSource::Theory => {
@@ -557,7 +557,7 @@ fn errors(html: &mut String, a: &Analysis) {
         };
         rows.push(("kernel estimate".into(), text));
     }
-    if let Some(vector) = &a.vector {
+    if let Some(vector) = a.vector() {
         let text = match vector.errors {
             ErrorSource::AcrossRealizations => across("each cell's <i>g</i>, and of each sector's"),
             ErrorSource::Theory => {
@@ -567,7 +567,7 @@ fn errors(html: &mut String, a: &Analysis) {
         };
         rows.push(("<i>g</i>(<b>h</b>)".into(), text));
     }
-    if let Some(radial) = &a.radial {
+    if let Some(radial) = a.radial() {
         let text = match radial.errors {
             ErrorSource::AcrossRealizations => across("each ring's mean of <i>P</i>"),
             ErrorSource::Theory => {
@@ -581,7 +581,7 @@ fn errors(html: &mut String, a: &Analysis) {
             "theory: the scatter of an isotropic spectrum with the ring's number of independent modes".into(),
         ));
     }
-    if let Some(neighbors) = &a.neighbors {
+    if let Some(neighbors) = a.neighbors() {
         if neighbors.distances.mean_se.is_some() {
             rows.push(("nearest-neighbour distances, bond order".into(), across("the realization's value")));
         }

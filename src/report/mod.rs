@@ -235,7 +235,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     if let Some(write) = Panel::Spectrum.array(analysis) {
         files.stream("spectrum.npy", |file| write(file));
     }
-    let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
+    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted);
     if let Some((spectrum, grid)) = spectrum.and_then(|s| Some((s, s.waves.grid()?))) {
         // With one realization the error of a mode is the mode itself; a file would only repeat it.
         if analysis.shape.realizations >= 2 {
@@ -243,7 +243,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             files.stream("spectrum_se.npy", |file| npy::grid(grid, &spectrum.p_se, lacks_last, file));
         }
     }
-    if let Some(covariance) = &analysis.covariance {
+    if let Some(covariance) = analysis.covariance() {
         let (modes, c) = (covariance.modes(), &covariance.c);
         files.stream("covariance.npy", |file| npy::matrix(modes, c.iter().map(|&[re, im]| Complex { re, im }), file));
         if let Some(c_se) = &covariance.c_se {
@@ -253,7 +253,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
     if let Some(write) = Panel::Vector.array(analysis) {
         files.stream("pcf_vector.npy", |file| write(file));
     }
-    if let Some(vector) = &analysis.vector {
+    if let Some(vector) = analysis.vector() {
         if analysis.shape.realizations >= 2 {
             files.stream("pcf_vector_se.npy", |file| npy::lags(&vector.grid, &vector.g_se, file));
         }
@@ -279,7 +279,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         Ok(None) => {}
         Err(e) => files.add("spectrum.png", Some(Err::<&[u8], _>(e))),
     }
-    if let Some(covariance) = &analysis.covariance {
+    if let Some(covariance) = analysis.covariance() {
         match covariance_image::render(covariance) {
             Ok(image) => {
                 files.add("covariance.png", Some(Ok(&image.png)));

@@ -115,25 +115,25 @@ impl Panel {
 
     /// What there is, without making it.
     pub fn offers(self, analysis: &Analysis) -> Offers {
-        let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted);
-        let rings = analysis.radial.as_ref().is_some_and(|radial| !radial.rings.is_empty());
+        let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted);
+        let rings = analysis.radial().is_some_and(|radial| !radial.rings.is_empty());
         let plane = analysis.domain.dim() >= 2;
         let png = match self {
             Self::Spectrum => spectrum.is_some_and(|s| s.waves.grid().is_some()) && plane,
-            Self::Vector => analysis.vector.is_some() && plane,
+            Self::Vector => analysis.vector().is_some() && plane,
             _ => false,
         };
         let svg = match self {
             Self::Points => true,
-            Self::Pcf => analysis.pair_correlation.as_ref().is_some_and(|pcf| !pcf.r.is_empty()),
+            Self::Pcf => analysis.pair_correlation().is_some_and(|pcf| !pcf.r.is_empty()),
             Self::Radial => rings,
             Self::Anisotropy => rings && plane,
             Self::Spectrum | Self::Vector => png,
         };
         let csv = match self {
             Self::Points => analysis.first.realizations() > 0 && analysis.first.points_in(0) > 0,
-            Self::Pcf => analysis.pair_correlation.is_some(),
-            Self::Radial | Self::Anisotropy => analysis.radial.is_some(),
+            Self::Pcf => analysis.pair_correlation().is_some(),
+            Self::Radial | Self::Anisotropy => analysis.radial().is_some(),
             Self::Spectrum => spectrum.is_some_and(|s| s.waves.grid().is_none()),
             Self::Vector => false,
         };
@@ -202,13 +202,13 @@ impl Panel {
     pub(super) fn array(self, analysis: &Analysis) -> Option<WriteArray<'_>> {
         match self {
             Self::Spectrum => {
-                let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted)?;
+                let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
                 let grid = spectrum.waves.grid()?;
                 let lacks_last = analysis.convention.lacks_last_plane();
                 Some(Box::new(move |file| npy::grid(grid, &spectrum.p, lacks_last, file)))
             }
             Self::Vector => {
-                let vector = analysis.vector.as_ref()?;
+                let vector = analysis.vector()?;
                 Some(Box::new(|file| npy::lags(&vector.grid, &vector.g, file)))
             }
             _ => None,
@@ -218,7 +218,7 @@ impl Panel {
 
 /// `spectrum.png`.
 pub(super) fn spectrum_image(analysis: &Analysis) -> io::Result<Option<SpectrumImage>> {
-    match analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted) {
+    match analysis.spectrum().filter(|_| analysis.grid_wanted) {
         Some(spectrum) => {
             spectrum_image::render(spectrum, &analysis.domain, analysis.shape.mean_points).map_err(io::Error::other)
         }
@@ -228,7 +228,7 @@ pub(super) fn spectrum_image(analysis: &Analysis) -> io::Result<Option<SpectrumI
 
 /// `pcf_vector.png`.
 pub(super) fn vector_image(analysis: &Analysis) -> io::Result<Option<VectorImage>> {
-    match &analysis.vector {
+    match analysis.vector() {
         Some(vector) => vector_image::render(vector).map_err(io::Error::other),
         None => Ok(None),
     }

@@ -41,7 +41,7 @@ pub fn spectrum_pixels(
     colors: ColorMap,
     most: usize,
 ) -> Option<Pixels> {
-    let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted)?;
+    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
     let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
     let half = middle(grid);
     let n = analysis.shape.mean_points;
@@ -91,7 +91,7 @@ pub fn vector_pixels(
     plane: usize,
     most: usize,
 ) -> Option<Pixels> {
-    let vector = analysis.vector.as_ref()?;
+    let vector = analysis.vector()?;
     let (bins, half) = (vector.grid.bins, &vector.grid.half);
     let axes = *panels(vector.grid.dim()).get(plane)?;
     let [low, high] = ends(analysis, reach)?;
@@ -113,7 +113,7 @@ pub fn vector_pixels(
 
 /// g at the two ends of the colours.
 fn ends(analysis: &Analysis, reach: Option<f64>) -> Option<[f64; 2]> {
-    let vector = analysis.vector.as_ref()?;
+    let vector = analysis.vector()?;
     Some(reach.filter(|r| *r > 0.0).map_or_else(|| range(vector), |reach| [1.0 - reach, 1.0 + reach]))
 }
 

@@ -52,14 +52,14 @@ pub(super) fn packing_symbol(dim: usize) -> (&'static str, &'static str) {
 
 /// g against r, with its band, g = 1, the kernel estimate and the closed form.
 pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
-    let pcf = analysis.pair_correlation.as_ref()?;
+    let pcf = analysis.pair_correlation()?;
     let intervals: Vec<_> = pcf.r.iter().enumerate().map(|(b, &r)| (pcf.r_lo[b], r, pcf.r_hi[b])).collect();
     let (first, last) = (*intervals.first()?, *intervals.last()?);
     // Bins that grow by much cover decades: on a linear axis the small ones would share a few pixels.
     let log_x = first.0 > 0.0 && last.2 > 20.0 * first.0 && last.2 - last.0 > 5.0 * (first.2 - first.0);
     let values: Vec<(f64, f64)> = pcf.g.iter().copied().zip(pcf.g_se.iter().copied()).collect();
     let closed = analysis.closed_form.g.as_deref();
-    let kernel = analysis.kernel.as_ref();
+    let kernel = analysis.kernel();
     let smooth: Vec<f64> = closed.unwrap_or_default().to_vec();
     let (y, log_y) = match decades(&values) {
         Some(range) => (range, true),
@@ -69,7 +69,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
 
     let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
     let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
-    let envelope = analysis.envelopes.as_ref().and_then(|e| e.find("g"));
+    let envelope = analysis.envelopes().and_then(|e| e.find("g"));
     layers.extend(envelope.map(|e| global_band("random, global", &intervals, e)));
     layers.extend([
         Layer::Band {
@@ -121,7 +121,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
 
 /// g within two classes and between them, with the band of the last, and g = 1.
 pub(super) fn cross(analysis: &Analysis) -> Option<Svg> {
-    let cross = analysis.cross.as_ref()?;
+    let cross = analysis.cross()?;
     let between = &cross.between;
     let intervals: Vec<_> = between.r.iter().enumerate().map(|(b, &r)| (between.r_lo[b], r, between.r_hi[b])).collect();
     let values: Vec<(f64, f64)> = between.g.iter().copied().zip(between.g_se.iter().copied()).collect();
@@ -170,12 +170,12 @@ fn settled(values: &[f64], errors: &[f64]) -> Vec<f64> {
 
 /// L - r against r, with its band; 0 for complete spatial randomness.
 pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
-    let k = analysis.k_function.as_ref()?;
+    let k = analysis.k_function()?;
     let intervals: Vec<_> =
         k.r.iter().enumerate().map(|(b, &r)| (if b == 0 { 0.0 } else { k.r[b - 1] }, r, r)).collect();
     let values: Vec<(f64, f64)> = k.l_minus_r.iter().zip(&k.l_se).map(|(&l, se)| (l, se.unwrap_or(0.0))).collect();
     let reach = values.iter().filter(|v| v.0.is_finite()).flat_map(|&(l, se)| [l - se, l + se]);
-    let random = analysis.envelopes.as_ref().and_then(|e| e.find("l_minus_r"));
+    let random = analysis.envelopes().and_then(|e| e.find("l_minus_r"));
     // Curve and envelope are compared: both are in the frame.
     let band = random.iter().flat_map(|e| e.global.iter().flatten().copied()).filter(|l| l.is_finite());
     let (lo, hi) = extent(&reach.chain(band).chain([0.0]).collect::<Vec<_>>())?;
@@ -218,7 +218,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Svg> {
 
 /// g against direction along every ring, with bands. Opposite directions are the same, so 0 to 180 degrees are all.
 pub(super) fn pcf_angular(analysis: &Analysis) -> Option<Svg> {
-    let vector = analysis.vector.as_ref()?;
+    let vector = analysis.vector()?;
     let values: Vec<(f64, f64)> = vector.sectors.iter().filter_map(|s| Some((s.g?, s.g_se?))).collect();
     let ends: Vec<f64> = values.iter().flat_map(|&(g, se)| [g - se, g + se]).filter(|v| v.is_finite()).collect();
     let y = about_one(&ends)?;
@@ -250,7 +250,7 @@ pub(super) fn pcf_angular(analysis: &Analysis) -> Option<Svg> {
 
 /// P against nu, with its band, P = 1, the closed form and the mean sampling frequency.
 pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
-    let radial = analysis.radial.as_ref()?;
+    let radial = analysis.radial()?;
     let rings = &radial.rings;
     let x = 0.0..rings.last()?.nu_hi;
     let values: Vec<(f64, f64)> = rings.iter().map(|r| (r.p, r.p_se)).collect();
@@ -298,7 +298,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
     if analysis.domain.dim() == 1 {
         return None;
     }
-    let radial = analysis.radial.as_ref()?;
+    let radial = analysis.radial()?;
     let rings = &radial.rings;
     let reference = radial.anisotropy_reference_db;
     let x = 0.0..rings.last()?.nu_hi;
@@ -363,7 +363,7 @@ pub(super) fn anisotropy_range(radial: &RadialSpectrum) -> Range<f64> {
 
 /// G and F against r, with their bands, and what both are for a Poisson process.
 pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Svg> {
-    let functions = &analysis.neighbors.as_ref()?.functions;
+    let functions = &analysis.neighbors()?.functions;
     let r = &functions.r;
     // Past where all three have come to 1 there is nothing to see.
     let high = |y: Option<f64>| y.is_none_or(|y| y > 0.9999);
@@ -380,7 +380,7 @@ pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Svg> {
     };
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
     let at: Vec<_> = intervals().collect();
-    let envelopes = analysis.envelopes.as_ref();
+    let envelopes = analysis.envelopes();
     let random = |name, label| envelopes.and_then(|e| e.find(name)).map(|e| global_band(label, &at, e));
     let mut layers = Vec::new();
     layers.extend(random("neighbor_g", "G of random, global"));

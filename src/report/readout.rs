@@ -82,7 +82,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The bin of g(r) that holds `r`, in the domain's length unit.
 pub fn bin_at(analysis: &Analysis, r: f64) -> Option<BinAt> {
-    let g = analysis.pair_correlation.as_ref()?;
+    let g = analysis.pair_correlation()?;
     let index = g.r_hi.partition_point(|&hi| hi <= r);
     (*g.r_lo.get(index)? <= r).then(|| BinAt {
         index,
@@ -98,7 +98,7 @@ pub fn bin_at(analysis: &Analysis, r: f64) -> Option<BinAt> {
 
 /// The ring that holds the frequency `nu`, in cycles per unit length.
 pub fn ring_at(analysis: &Analysis, nu: f64) -> Option<RingAt> {
-    let rings = &analysis.radial.as_ref()?.rings;
+    let rings = &analysis.radial()?.rings;
     let index = rings.iter().position(|ring| (ring.nu_lo..ring.nu_hi).contains(&nu))?;
     let ring = &rings[index];
     Some(RingAt {
@@ -117,7 +117,7 @@ pub fn ring_at(analysis: &Analysis, nu: f64) -> Option<RingAt> {
 
 /// The mode of the grid nearest to the frequency `nu`, in cycles per unit length; in 3D in the plane m_z = 0.
 pub fn spectrum_at(analysis: &Analysis, nu: [f64; 2]) -> Option<ModeAt> {
-    let spectrum = analysis.spectrum.as_ref().filter(|_| analysis.grid_wanted)?;
+    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
     let grid = spectrum.waves.grid()?;
     let (sides, f) = (analysis.domain.sides(), grid.max_frequency());
     let mut m = [0; 3];
@@ -141,7 +141,7 @@ pub fn spectrum_at(analysis: &Analysis, nu: [f64; 2]) -> Option<ModeAt> {
 
 /// The cell of lags that holds `lag`, in the domain's length unit, on a plane of `vector_pixels`.
 pub fn vector_at(analysis: &Analysis, lag: [f64; 2], plane: usize) -> Option<LagAt> {
-    let vector = analysis.vector.as_ref()?;
+    let vector = analysis.vector()?;
     let grid = &vector.grid;
     let axes = *panels(grid.dim()).get(plane)?;
     let bin = |h: f64, axis: usize| (0..grid.bins).find(|&k| (grid.edge(axis, k)..grid.edge(axis, k + 1)).contains(&h));

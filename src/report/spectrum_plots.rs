@@ -10,9 +10,9 @@ const BANDS_FROM: f64 = 10.0;
 
 /// P against nu along every axis.
 pub(super) fn axes(analysis: &Analysis) -> Option<Svg> {
-    let modes = &analysis.details.as_ref()?.axes.modes;
+    let modes = &analysis.details()?.axes.modes;
     let end = modes.iter().map(|m| m.nu).fold(0.0, f64::max);
-    let banded = analysis.radial.as_ref().is_some_and(|r| r.realizations >= BANDS_FROM);
+    let banded = analysis.radial().is_some_and(|r| r.realizations >= BANDS_FROM);
     let values: Vec<(f64, f64)> = modes.iter().map(|m| (m.p, if banded { m.p_se } else { 0.0 })).collect();
     let top = top_of(&values, &[]);
     let mut layers = vec![Layer::Level { name: "P = 1".into(), y: 1.0 }];
@@ -52,7 +52,7 @@ pub(super) fn axes(analysis: &Analysis) -> Option<Svg> {
 /// Power by direction, relative to an isotropic spectrum with the same ring means. Opposite directions are the same, so 0 to 180
 /// degrees are all.
 pub(super) fn angular(analysis: &Analysis) -> Option<Svg> {
-    let sectors = &analysis.details.as_ref()?.angular.as_ref()?.sectors;
+    let sectors = &analysis.details()?.angular.as_ref()?.sectors;
     let samples: Vec<_> = half_turn(sectors, |s| s.theta).collect();
     let relative = |s: &SectorPower| {
         let expected = s.p / s.ratio.filter(|r| *r > 0.0)?;

@@ -262,16 +262,15 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
         backends: &a.computed_by.backends,
         // Pair counts are exact at either setting, so without a spectrum there is nothing to bound.
         accuracy: a
-            .spectrum
-            .as_ref()
+            .spectrum()
             .map(|_| AccuracyOut { name: a.accuracy.name(), power_bound: a.accuracy.power_bound() }),
-        pair_correlation: a.pair_correlation.as_ref().map(|g| PairCorrelationOut {
+        pair_correlation: a.pair_correlation().map(|g| PairCorrelationOut {
             bins: g.g.len(),
             r_max: g.r_hi.last().copied(),
             normalization: g.normalization,
             correction: a.correction,
             errors: g.errors,
-            kernel: a.kernel.as_ref().map(|k| KernelOut {
+            kernel: a.kernel().map(|k| KernelOut {
                 kernel: k.kernel,
                 divisor: k.divisor,
                 road: k.road,
@@ -280,7 +279,7 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
                 cross_validation: k.cross_validation,
             }),
         }),
-        envelope: a.envelopes.as_ref().map(|e| EnvelopesOut {
+        envelope: a.envelopes().map(|e| EnvelopesOut {
             simulations: e.simulations,
             pointwise_significance: e.pointwise_significance(),
             curves: e
@@ -289,19 +288,19 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
                 .map(|c| EnvelopeOut { curve: c.observed.name, alpha: c.alpha, p: c.p, p_interval: c.p_interval })
                 .collect(),
         }),
-        cross_correlation: a.cross.as_ref().map(|c| CrossOut {
+        cross_correlation: a.cross().map(|c| CrossOut {
             classes: &c.classes,
             correction: a.correction,
             errors: c.between.errors,
         }),
-        k_function: a.k_function.as_ref().map(|k| KFunctionOut {
+        k_function: a.k_function().map(|k| KFunctionOut {
             bins: k.r.len(),
             r_max: k.r.last().copied(),
             normalization: k.normalization,
             correction: a.correction,
             errors: k.errors,
         }),
-        vector_correlation: a.vector.as_ref().map(|v| VectorOut {
+        vector_correlation: a.vector().map(|v| VectorOut {
             bins: vec![v.grid.bins; v.grid.dim()],
             half_widths: v.grid.half.clone(),
             ordered_pairs: v.count.iter().sum(),
@@ -312,17 +311,17 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             picture_range: (v.grid.dim() > 1).then(|| vector_image::range(v)),
             picture_quantile: (v.grid.dim() > 1).then_some(vector_image::QUANTILE),
         }),
-        spectrum: a.spectrum.as_ref().map(|s| SpectrumOut {
+        spectrum: a.spectrum().map(|s| SpectrumOut {
             max_frequency: s.waves.grid().map(|grid| grid.max_frequency()[..grid.dim()].to_vec()),
             modes: s.waves.grid().map_or(s.waves.len(), WaveGrid::full_len),
             errors: s.errors,
             dc_p: s.dc().map(|dc| dc.0),
             dc_p_se: s.dc().map(|dc| dc.1),
         }),
-        radial: a.radial.as_ref().map(|r| RadialOut {
+        radial: a.radial().map(|r| RadialOut {
             rings: r.rings.len(),
             modes: r.rings.iter().map(|ring| ring.modes).sum(),
-            directions: match a.spectrum.as_ref().map(|s| &s.waves) {
+            directions: match a.spectrum().map(|s| &s.waves) {
                 Some(WaveVectors::List(_)) => RING_DIRECTIONS_RULE,
                 _ => "all",
             },
@@ -330,9 +329,9 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             anisotropy_reference_db: r.anisotropy_reference_db,
             bands: BandsOut::new(r),
         }),
-        spectrum_scalars: a.details.as_ref().map(ScalarsOut::new),
-        consistency: a.details.as_ref().and_then(ConsistencyOut::new),
-        covariance: a.covariance.as_ref().map(|c| CovarianceOut {
+        spectrum_scalars: a.details().map(ScalarsOut::new),
+        consistency: a.details().and_then(ConsistencyOut::new),
+        covariance: a.covariance().map(|c| CovarianceOut {
             max_frequency: c.grid.max_frequency()[0],
             modes: c.modes(),
             order: "m_x slowest, each m_k from -B to B; m = 0 in the middle, left out of covariance.png and of the numbers here",
@@ -343,9 +342,9 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             bug_compatible: a.bug_compatible,
             spectrum_radial: a.convention.labels(),
             pcf: a.convention.pair_labels(),
-            psa: a.psa,
+            psa: a.psa().copied(),
         }),
-        neighbors: a.neighbors.as_ref().map(|n| NeighborsOut {
+        neighbors: a.neighbors().map(|n| NeighborsOut {
             distances: n.distances,
             functions: FunctionsOut {
                 distances: n.functions.r.len(),

@@ -59,7 +59,7 @@ impl Table {
 
 /// `pcf.csv`: r in the domain's length unit, `count` ordered pairs over all realizations, g dimensionless.
 pub(super) fn pcf(analysis: &Analysis) -> Option<Table> {
-    let pcf = analysis.pair_correlation.as_ref()?;
+    let pcf = analysis.pair_correlation()?;
     let table = Table::new()
         .floats("r_lo", pcf.r_lo.iter().copied())
         .floats("r", pcf.r.iter().copied())
@@ -67,7 +67,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Table> {
         .integers("count", pcf.count.iter().copied())
         .floats("g", pcf.g.iter().copied())
         .floats("g_se", pcf.g_se.iter().copied());
-    Some(match &analysis.kernel {
+    Some(match analysis.kernel() {
         Some(kernel) => {
             table.optional("g_kernel", kernel.g.iter().copied()).optional("g_kernel_se", kernel.g_se.iter().copied())
         }
@@ -77,7 +77,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Table> {
 
 /// `k_function.csv`: at distances r, in the domain's length unit; K in units of its measure.
 pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
-    let k = analysis.k_function.as_ref()?;
+    let k = analysis.k_function()?;
     Some(
         Table::new()
             .floats("r", k.r.iter().copied())
@@ -92,7 +92,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
 
 /// `pcf_cross.csv`: as `pcf.csv` for two classes a and b; `count_ab` are ordered pairs from a to b.
 pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
-    let cross = analysis.cross.as_ref()?;
+    let cross = analysis.cross()?;
     let [a, b, ab] = [&cross.a, &cross.b, &cross.between];
     let mut table = Table::new()
         .floats("r_lo", ab.r_lo.iter().copied())
@@ -113,7 +113,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
 
 /// `envelope.csv`: every curve after the other, in the units of its own table.
 pub(super) fn envelope(analysis: &Analysis) -> Option<Table> {
-    let curves = &analysis.envelopes.as_ref()?.curves;
+    let curves = &analysis.envelopes()?.curves;
     let column = |of: fn(&Envelope) -> &[f64]| curves.iter().flat_map(move |c| of(c).iter().copied());
     let names = curves.iter().flat_map(|c| std::iter::repeat_n(c.observed.name.to_string(), c.observed.r.len()));
     Some(
@@ -130,7 +130,7 @@ pub(super) fn envelope(analysis: &Analysis) -> Option<Table> {
 
 /// `pcf_angular.csv`: one row per ring and sector, angles in radians; `cells` and `count` are of one of each mirror pair.
 pub(super) fn angular(analysis: &Analysis) -> Option<Table> {
-    let sectors = &analysis.vector.as_ref()?.sectors;
+    let sectors = &analysis.vector()?.sectors;
     if sectors.is_empty() {
         return None;
     }
@@ -151,7 +151,7 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Table> {
 
 /// `spectrum_radial.csv`: nu in cycles per unit length, P dimensionless, anisotropy in dB.
 pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
-    let radial = analysis.radial.as_ref()?;
+    let radial = analysis.radial()?;
     let rings = &radial.rings;
     Some(
         Table::new()
@@ -172,7 +172,7 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
 
 /// `spectrum_axes.csv`: m in cycles per side of its axis, nu in cycles per unit length.
 pub(super) fn axes(analysis: &Analysis) -> Option<Table> {
-    let modes = &analysis.details.as_ref()?.axes.modes;
+    let modes = &analysis.details()?.axes.modes;
     (!modes.is_empty()).then(|| {
         Table::new()
             .text("axis", modes.iter().map(|m| ["x", "y", "z"][m.axis].to_string()))
@@ -187,7 +187,7 @@ pub(super) fn axes(analysis: &Analysis) -> Option<Table> {
 /// `spectrum_angular.csv`: directions of nu = m / L in degrees from the x axis; `ratio` is P over what the ring means make of
 /// the same modes.
 pub(super) fn sectors(analysis: &Analysis) -> Option<Table> {
-    let sectors = &analysis.details.as_ref()?.angular.as_ref()?.sectors;
+    let sectors = &analysis.details()?.angular.as_ref()?.sectors;
     Some(
         Table::new()
             .floats("theta_lo", sectors.iter().map(|s| s.theta[0].to_degrees()))
@@ -203,7 +203,7 @@ pub(super) fn sectors(analysis: &Analysis) -> Option<Table> {
 
 /// `spectrum_from_pcf.csv`: ring means of P and what g makes of them, with pairs beyond r_max taken as uncorrelated.
 pub(super) fn spectrum_from_pcf(analysis: &Analysis) -> Option<Table> {
-    let s = analysis.details.as_ref()?.of_pcf.as_ref()?;
+    let s = analysis.details()?.of_pcf.as_ref()?;
     Some(
         Table::new()
             .floats("nu", s.nu.iter().copied())
@@ -214,7 +214,7 @@ pub(super) fn spectrum_from_pcf(analysis: &Analysis) -> Option<Table> {
 
 /// `pcf_from_spectrum.csv`: g and what the ring means of P make of it, with P = 1 beyond the last ring.
 pub(super) fn pcf_from_spectrum(analysis: &Analysis) -> Option<Table> {
-    let s = analysis.details.as_ref()?.of_pcf.as_ref()?;
+    let s = analysis.details()?.of_pcf.as_ref()?;
     Some(
         Table::new()
             .floats("r", s.r.iter().copied())
@@ -226,7 +226,7 @@ pub(super) fn pcf_from_spectrum(analysis: &Analysis) -> Option<Table> {
 /// `spectrum_list.csv`: the wave vectors of a list in its order, m in cycles per side, nu in cycles per unit length, P
 /// dimensionless with its 95 % band.
 pub(super) fn spectrum_list(analysis: &Analysis) -> Option<Table> {
-    let spectrum = analysis.spectrum.as_ref().filter(|s| analysis.grid_wanted && s.waves.grid().is_none())?;
+    let spectrum = analysis.spectrum().filter(|s| analysis.grid_wanted && s.waves.grid().is_none())?;
     let (domain, dim) = (&analysis.domain, analysis.domain.dim());
     let modes = || 0..spectrum.p.len();
     let vectors = || modes().map(|k| spectrum.waves.vector(k));
@@ -253,7 +253,7 @@ pub(super) fn spectrum_list(analysis: &Analysis) -> Option<Table> {
 
 /// `neighbor_functions.csv`: r in the domain's length unit, the rest dimensionless.
 pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Table> {
-    let functions = &analysis.neighbors.as_ref()?.functions;
+    let functions = &analysis.neighbors()?.functions;
     Some(
         Table::new()
             .floats("r", functions.r.iter().copied())

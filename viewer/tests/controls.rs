@@ -98,7 +98,7 @@ fn what_is_refused_says_so_in_its_place() {
     settle(&mut window);
     assert!(window.query_by_label_contains("--bins 0: ").is_none());
     let shown = window.state().snapshots().next().unwrap().unwrap();
-    assert_eq!(shown.analysis.as_ref().unwrap().pair_correlation.as_ref().unwrap().g.len(), 12);
+    assert_eq!(shown.analysis.as_ref().unwrap().pair_correlation().unwrap().g.len(), 12);
     type_into(&mut window, "bins", " ");
     assert_eq!(command(&window), "pairwave analyze --sampler random -n 50 -k 4");
 }
@@ -137,12 +137,12 @@ fn hidden_panels_are_not_computed() {
     // Lag settings are idle now, and are no error.
     assert_eq!(shown.error, None);
     let analysis = shown.analysis.as_ref().unwrap();
-    assert!(analysis.pair_correlation.is_some() && analysis.radial.is_none() && analysis.vector.is_none());
+    assert!(analysis.pair_correlation().is_some() && analysis.radial().is_none() && analysis.vector().is_none());
     window.get_by_label_contains("not computed: P(ν), anisotropy, P(m), g(h)");
     window.get_by_role_and_label(Role::CheckBox, "g(h)").click();
     settle(&mut window);
     let shown = window.state().snapshots().next().unwrap().unwrap();
-    assert_eq!(shown.analysis.as_ref().unwrap().vector.as_ref().unwrap().grid.bins, 16);
+    assert_eq!(shown.analysis.as_ref().unwrap().vector().unwrap().grid.bins, 16);
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn the_difference_of_another_request_is_seen() {
 fn errors_shrink_while_realizations_come_in() {
     let (worker, told) = worker();
     worker.set(1, request("--sampler random -n 3000 -k 400 --stats pcf --bins 8"));
-    let error = |s: &Snapshot| s.analysis.as_ref().unwrap().pair_correlation.as_ref().unwrap().g_se[6];
+    let error = |s: &Snapshot| s.analysis.as_ref().unwrap().pair_correlation().unwrap().g_se[6];
     let early = wait(&worker, &told, 1, |s| s.analysis.is_some());
     let end = wait(&worker, &told, 1, |s| s.done);
     let status = |s: &Snapshot| s.status.as_ref().unwrap().tracks[0].done;

@@ -9,6 +9,7 @@ pub use distances::NeighborDistances;
 pub use functions::NeighborFunctions;
 
 use crate::accumulate::NeighborSums;
+use crate::estimate::Analysis;
 use crate::plan::{EnsembleShape, NeighborPlan};
 
 /// All that `neighbors` stands for.
@@ -43,4 +44,11 @@ fn standard_error(values: &[f64]) -> Option<f64> {
     let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
     let k = values.len() as f64;
     Some((squares / (k * (k - 1.0))).sqrt())
+}
+
+impl Analysis {
+    /// Nearest-neighbour statistics.
+    pub fn neighbors(&self) -> Option<&Neighbors> {
+        self.get()
+    }
 }

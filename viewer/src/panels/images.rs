@@ -114,8 +114,8 @@ impl Images {
     fn prepare(&mut self, ctx: &egui::Context, panel: Panel, scene: &Scene<'_>, room: f32) -> Vec<usize> {
         let has = |set: &Set| match (panel, set.analysis()) {
             (_, None) => false,
-            (Panel::Spectrum, Some(a)) => a.grid_wanted && a.domain.dim() > 1 && a.spectrum.is_some(),
-            (_, Some(a)) => a.vector.is_some() && a.domain.dim() > 1,
+            (Panel::Spectrum, Some(a)) => a.grid_wanted && a.domain.dim() > 1 && a.spectrum().is_some(),
+            (_, Some(a)) => a.vector().is_some() && a.domain.dim() > 1,
         };
         let of_all = (0..scene.sets.len()).filter(|&s| scene.sets[s].visible && has(&scene.sets[s]));
         let mut shown: Vec<usize> = of_all.collect();
