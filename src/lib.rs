@@ -40,6 +40,7 @@
 pub mod accumulate;
 pub mod analysis;
 pub mod compute;
+pub mod display;
 mod error;
 pub mod estimate;
 pub mod plan;

@@ -6,6 +6,7 @@ mod envelope;
 mod idle;
 mod measure;
 mod plan;
+mod progress;
 mod running;
 mod sums;
 

@@ -1,8 +1,7 @@
 //! `covariance.png`: |C_ml| as a matrix, m downward and l to the right, zero frequency left out.
 
-use super::color_map::sequential;
-use super::spectrum_image::{DC, encode};
-use super::text::human;
+use super::spectrum_image::encode;
+use crate::display::{DC, human, sequential};
 use crate::estimate::AmplitudeCovariance;
 
 /// Decades below the largest value that colours tell apart.

@@ -9,7 +9,7 @@ use std::ops::Range;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::text::{escape, shortened, tick};
+use crate::display::{Interval, escape, log_ticks, shortened, thinned_band, thinned_line, ticks};
 
 /// Width of a figure in px.
 pub(super) const WIDTH: u32 = 900;
@@ -40,15 +40,10 @@ const FRAME: RGBColor = RGBColor(90, 90, 90);
 pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// An interval: low end, centre, high end.
-pub(super) type Interval = (f64, f64, f64);
-/// One value over an interval, `None` where undefined.
-pub(super) type Sample = (Interval, Option<f64>);
-
 /// What is drawn, in this order.
 pub(super) enum Layer {
     /// A filled band between two curves.
-    Band { name: String, color: RGBColor, runs: Vec<Vec<(f64, f64, f64)>> },
+    Band { name: String, color: RGBColor, runs: Vec<Vec<[f64; 3]>> },
     /// A curve.
     Line { name: String, color: RGBColor, width: f64, dashed: bool, runs: Vec<Vec<(f64, f64)>> },
     /// A horizontal reference.
@@ -80,16 +75,14 @@ pub(super) struct Figure {
 }
 
 /// The runs of defined samples. A lone one is a step over its whole interval, so that it can be seen.
-pub(super) fn runs(samples: impl IntoIterator<Item = Sample>) -> Vec<Vec<(f64, f64)>> {
+pub(super) fn runs(samples: impl IntoIterator<Item = (Interval, Option<f64>)>) -> Vec<Vec<(f64, f64)>> {
     let banded = samples.into_iter().map(|(x, y)| (x, y.map(|y| (y, y))));
-    let strip = |run: Vec<(f64, f64, f64)>| run.into_iter().map(|(x, y, _)| (x, y)).collect();
+    let strip = |run: Vec<[f64; 3]>| run.into_iter().map(|[x, y, _]| (x, y)).collect();
     band_runs(banded).into_iter().map(strip).collect()
 }
 
 /// As `runs`, for pairs of values.
-pub(super) fn band_runs(
-    samples: impl IntoIterator<Item = (Interval, Option<(f64, f64)>)>,
-) -> Vec<Vec<(f64, f64, f64)>> {
+pub(super) fn band_runs(samples: impl IntoIterator<Item = (Interval, Option<(f64, f64)>)>) -> Vec<Vec<[f64; 3]>> {
     let mut all: Vec<Vec<(Interval, f64, f64)>> = vec![Vec::new()];
     for (x, y) in samples {
         match (y, all.last_mut()) {
@@ -98,45 +91,10 @@ pub(super) fn band_runs(
         }
     }
     let points = |run: Vec<(Interval, f64, f64)>| match run[..] {
-        [((lo, _, hi), a, b)] => vec![(lo, a, b), (hi, a, b)],
-        _ => run.into_iter().map(|((_, x, _), a, b)| (x, a, b)).collect(),
+        [((lo, _, hi), a, b)] => vec![[lo, a, b], [hi, a, b]],
+        _ => run.into_iter().map(|((_, x, _), a, b)| [x, a, b]).collect(),
     };
     all.into_iter().filter(|r| !r.is_empty()).map(points).collect()
-}
-
-/// A curve with the first, the lowest, the highest and the last point of every column that has more than four, so that its
-/// picture is the same and no larger than the frame.
-fn thinned_line(run: &[(f64, f64)], column: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
-    let mut kept = Vec::new();
-    for part in run.chunk_by(|a, b| column(a.0) == column(b.0)) {
-        let by_height = |a: &usize, b: &usize| part[*a].1.total_cmp(&part[*b].1);
-        let all = 0..part.len();
-        match (all.clone().min_by(by_height), all.clone().max_by(by_height)) {
-            (Some(lowest), Some(highest)) if part.len() > 4 => {
-                let mut four = [0, lowest, highest, part.len() - 1];
-                four.sort_unstable();
-                kept.extend(four.map(|k| part[k]));
-            }
-            _ => kept.extend_from_slice(part),
-        }
-    }
-    kept
-}
-
-/// A band with two points for every column that has more than four, as wide as the widest there.
-fn thinned_band(run: &[(f64, f64, f64)], column: impl Fn(f64) -> f64) -> Vec<(f64, f64, f64)> {
-    let mut kept = Vec::new();
-    for part in run.chunk_by(|a, b| column(a.0) == column(b.0)) {
-        match part {
-            [first, _, _, _, .., last] => {
-                let lo = part.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-                let hi = part.iter().map(|p| p.2).fold(f64::NEG_INFINITY, f64::max);
-                kept.extend([(first.0, lo, hi), (last.0, lo, hi)]);
-            }
-            few => kept.extend_from_slice(few),
-        }
-    }
-    kept
 }
 
 impl Figure {
@@ -232,8 +190,8 @@ impl Figure {
                 Layer::Band { color, runs, .. } => {
                     for run in runs {
                         let run = thinned_band(run, |x| (COLUMNS * self.px_x(x)).floor());
-                        let there = run.iter().map(|&(x, lo, _)| (self.place(x), self.place_y(lo)));
-                        let back = run.iter().rev().map(|&(x, _, hi)| (self.place(x), self.place_y(hi)));
+                        let there = run.iter().map(|&[x, lo, _]| (self.place(x), self.place_y(lo)));
+                        let back = run.iter().rev().map(|&[x, _, hi]| (self.place(x), self.place_y(hi)));
                         let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
                         chart.draw_series([Polygon::new(polygon, color.mix(0.22))])?;
                     }
@@ -241,7 +199,7 @@ impl Figure {
                 Layer::Line { color, width, dashed, runs, .. } => {
                     let style = color.stroke_width(px(*width));
                     for run in runs {
-                        let run = thinned_line(run, |x| (COLUMNS * self.px_x(x)).floor());
+                        let run = thinned_line(run, |p| (COLUMNS * self.px_x(p.0)).floor(), |p| p.1);
                         let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
                         for piece in clipped_line(&run, &self.drawn_y()) {
                             if *dashed {
@@ -433,28 +391,6 @@ fn description_text(svg_text: &str) -> String {
     plain.replace("&#8203;", "")
 }
 
-/// Round numbers in a range, about `target` of them, with their labels.
-pub(super) fn ticks(range: &Range<f64>, target: u32) -> Vec<(f64, String)> {
-    let raw = (range.end - range.start) / f64::from(target);
-    if !(raw > 0.0 && raw.is_finite()) {
-        return Vec::new();
-    }
-    let decade = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.7).unwrap_or(10.0 * decade);
-    let (first, last) = ((range.start / step - 1e-9).ceil() as i64, (range.end / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| k as f64 * step).map(|t| (t, tick(t, step))).collect()
-}
-
-/// Decades of a logarithmic range, and 2 and 5 of each where there are few.
-pub(super) fn log_ticks(range: &Range<f64>) -> Vec<(f64, String)> {
-    let (lo, hi) = (range.start.log10(), range.end.log10());
-    let multiples: &[f64] = if hi - lo < 3.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let decades = lo.floor() as i32..=hi.ceil() as i32;
-    let all = decades.flat_map(|e| multiples.iter().map(move |m| m * 10f64.powi(e)));
-    let inside = range.start * (1.0 - 1e-9)..range.end * (1.0 + 1e-9);
-    all.filter(|t| inside.contains(t)).map(|t| (t, super::text::human(t))).collect()
-}
-
 /// The pieces of a polyline inside a horizontal strip.
 fn clipped_line(run: &[(f64, f64)], strip: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -505,39 +441,6 @@ fn clipped_polygon(polygon: Vec<(f64, f64)>, strip: &Range<f64>) -> Vec<(f64, f6
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn thinning_keeps_what_can_be_seen() {
-        let line: Vec<(f64, f64)> = (0..10_000).map(|k| (f64::from(k), f64::from(k * 7919 % 10_007))).collect();
-        let column = |x: f64| (x / 100.0).floor();
-        let kept = thinned_line(&line, column);
-        assert!(kept.len() <= 400 && kept.is_sorted_by_key(|p| p.0) && kept.iter().all(|p| line.contains(p)));
-        let band: Vec<(f64, f64, f64)> = line.iter().map(|&(x, y)| (x, y - 1.0, y + 1.0)).collect();
-        let kept_band = thinned_band(&band, column);
-        for (k, part) in line.chunks(100).enumerate() {
-            let of = |kept: &[(f64, f64)]| {
-                let there: Vec<f64> = kept.iter().filter(|p| column(p.0) == k as f64).map(|p| p.1).collect();
-                (there.iter().copied().fold(f64::INFINITY, f64::min), there.iter().copied().fold(0.0, f64::max))
-            };
-            let (lo, hi) = of(part);
-            assert_eq!(of(&kept), (lo, hi), "column {k}");
-            let two: Vec<_> = kept_band.iter().filter(|p| column(p.0) == k as f64).collect();
-            assert!(two.len() == 2 && two.iter().all(|p| (p.1, p.2) == (lo - 1.0, hi + 1.0)), "column {k}");
-        }
-        // Few points stay as they are.
-        assert_eq!(thinned_line(&line[..4], column), line[..4]);
-        assert_eq!(thinned_band(&band[..4], column), band[..4]);
-    }
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        let labels = |r: Range<f64>| ticks(&r, 6).into_iter().map(|t| t.1).collect::<Vec<_>>();
-        assert_eq!(labels(0.0..0.27), ["0", "0.05", "0.10", "0.15", "0.20", "0.25"]);
-        assert_eq!(labels(-50.0..5.0), ["−50", "−40", "−30", "−20", "−10", "0"]);
-        assert!(labels(1.0..1.0).is_empty());
-        let decades = log_ticks(&(1e-3..0.5)).into_iter().map(|t| t.1).collect::<Vec<_>>();
-        assert_eq!(decades[..4], ["0.001", "0.002", "0.005", "0.01"]);
-    }
 
     #[test]
     fn curves_are_cut_at_the_frame() {

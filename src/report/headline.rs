@@ -1,7 +1,7 @@
 //! What the terminal says when a result is written: a few lines, no more.
 
-use super::text::{human, with_error};
-use crate::analysis::Analysis;
+use crate::display::{human, with_error};
+use crate::estimate::Analysis;
 
 /// Subject, device, and one line per statistic.
 pub fn headline(a: &Analysis) -> String {

@@ -4,17 +4,14 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 
-use super::color_map::{diverging, sequential};
 use super::covariance_image::CovarianceImage;
-use super::plots::{kernel_name, packing_symbol, size};
 use super::points_picture;
 use super::spectrum_image::{SpectrumImage, tone_text};
 use super::spectrum_numbers;
-use super::text::{escape, human, with_error};
 use super::vector_image::VectorImage;
-use crate::analysis::Analysis;
 use crate::compute::Backend;
-use crate::estimate::{ErrorSource, Normalization, VectorCorrelation};
+use crate::display::{diverging, escape, human, kernel_name, packing_symbol, sequential, size, with_error};
+use crate::estimate::{Analysis, ErrorSource, Normalization, VectorCorrelation};
 use crate::plan::{Convention, Correction};
 
 /// The pictures of one report, as far as there are any.

@@ -3,39 +3,23 @@
 //! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
 //! `report.html` only.
 
-mod color_map;
 mod covariance_image;
-mod curves;
 mod figure;
 mod headline;
 mod html;
 mod npy;
-pub mod overlays;
-mod panel;
+pub mod panel;
 mod picture_figure;
-mod pixels;
 mod plots;
 mod points_picture;
-mod progress;
-mod readout;
 mod spectrum_image;
 mod spectrum_numbers;
 mod spectrum_plots;
 mod summary;
 mod table;
-mod text;
-mod tone_map;
-mod units;
 mod vector_image;
 
-pub use color_map::ColorMap;
-pub use curves::{Curve, Drawn, Frame};
 pub use headline::headline;
-pub use panel::{Offers, Panel};
-pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_reach, vector_ticks};
-pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
-pub use tone_map::ToneMap;
-pub use units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
 
 use std::fs;
 use std::io;
@@ -43,8 +27,9 @@ use std::path::{Path, PathBuf};
 
 use rustfft::num_complex::Complex;
 
-use crate::analysis::Analysis;
+use crate::display::Panel;
 use crate::error::{Error, Result};
+use crate::estimate::Analysis;
 
 /// Marks a result; last to arrive and first to go, so that where it is, all of its result is.
 const SUMMARY: &str = "summary.json";
@@ -220,19 +205,19 @@ fn existing_part(dir: &Path) -> PathBuf {
 /// Writes every file into `dir`, in the order of `FILES`; stops at the first that fails.
 fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)> {
     let mut files = Written { dir, done: Vec::new() };
-    files.add("pcf.csv", Panel::Pcf.table(analysis).map(|t| t.csv()));
+    files.add("pcf.csv", panel::table(Panel::Pcf, analysis).map(|t| t.csv()));
     files.add("pcf_cross.csv", table::cross(analysis).map(|t| t.csv()));
     files.add("k_function.csv", table::k_function(analysis).map(|t| t.csv()));
     files.add("envelope.csv", table::envelope(analysis).map(|t| t.csv()));
     files.add("pcf_angular.csv", table::angular(analysis).map(|t| t.csv()));
-    files.add("spectrum_radial.csv", Panel::Radial.table(analysis).map(|t| t.csv()));
-    files.add("spectrum_list.csv", Panel::Spectrum.table(analysis).map(|t| t.csv()));
+    files.add("spectrum_radial.csv", panel::table(Panel::Radial, analysis).map(|t| t.csv()));
+    files.add("spectrum_list.csv", panel::table(Panel::Spectrum, analysis).map(|t| t.csv()));
     files.add("spectrum_axes.csv", table::axes(analysis).map(|t| t.csv()));
     files.add("spectrum_angular.csv", table::sectors(analysis).map(|t| t.csv()));
     files.add("spectrum_from_pcf.csv", table::spectrum_from_pcf(analysis).map(|t| t.csv()));
     files.add("pcf_from_spectrum.csv", table::pcf_from_spectrum(analysis).map(|t| t.csv()));
     files.add("neighbor_functions.csv", table::neighbor_functions(analysis).map(|t| t.csv()));
-    if let Some(write) = Panel::Spectrum.array(analysis) {
+    if let Some(write) = panel::array(Panel::Spectrum, analysis) {
         files.stream("spectrum.npy", |file| write(file));
     }
     let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted);
@@ -250,7 +235,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
             files.stream("covariance_se.npy", |file| npy::matrix(modes, c_se.iter().copied(), file));
         }
     }
-    if let Some(write) = Panel::Vector.array(analysis) {
+    if let Some(write) = panel::array(Panel::Vector, analysis) {
         files.stream("pcf_vector.npy", |file| write(file));
     }
     if let Some(vector) = analysis.vector() {
@@ -260,12 +245,12 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         files.stream("pcf_vector_counts.npy", |file| npy::lags(&vector.grid, &vector.count, file));
     }
     let mut pictures = html::Pictures {
-        pcf: files.picture("pcf.svg", Panel::Pcf.curves(analysis)),
+        pcf: files.picture("pcf.svg", panel::curves(Panel::Pcf, analysis)),
         cross: files.picture("pcf_cross.svg", plots::cross(analysis)),
         k_function: files.picture("k_function.svg", plots::k_function(analysis)),
         pcf_angular: files.picture("pcf_angular.svg", plots::pcf_angular(analysis)),
-        spectrum_radial: files.picture("spectrum_radial.svg", Panel::Radial.curves(analysis)),
-        anisotropy: files.picture("anisotropy.svg", Panel::Anisotropy.curves(analysis)),
+        spectrum_radial: files.picture("spectrum_radial.svg", panel::curves(Panel::Radial, analysis)),
+        anisotropy: files.picture("anisotropy.svg", panel::curves(Panel::Anisotropy, analysis)),
         spectrum_axes: files.picture("spectrum_axes.svg", spectrum_plots::axes(analysis)),
         spectrum_angular: files.picture("spectrum_angular.svg", spectrum_plots::angular(analysis)),
         neighbor_functions: files.picture("neighbor_functions.svg", plots::neighbor_functions(analysis)),
@@ -296,7 +281,7 @@ fn render(analysis: &Analysis, dir: &Path) -> Vec<(&'static str, io::Result<()>)
         Ok(None) => {}
         Err(e) => files.add("pcf_vector.png", Some(Err::<&[u8], _>(e))),
     }
-    pictures.points = files.picture("points.svg", Panel::Points.curves(analysis));
+    pictures.points = files.picture("points.svg", panel::curves(Panel::Points, analysis));
     files.add("report.html", Some(Ok(html::page(analysis, &pictures))));
     let names = files.done.iter().map(|f| f.0).chain([SUMMARY]).collect();
     files.add(SUMMARY, Some(summary::json(analysis, names).map_err(io::Error::other)));

@@ -5,15 +5,12 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use plotters::prelude::*;
 
-use super::color_map::ColorMap;
-use super::figure::{WIDTH, fine, frame, heading, label, picture, thin, ticks};
+use super::figure::{WIDTH, fine, frame, heading, label, picture, thin};
 use super::panel::spectrum_image;
-use super::pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};
-use super::plots::{Svg, size};
+use super::plots::Svg;
 use super::spectrum_image::{encode, tone_text};
-use super::text::escape;
-use super::tone_map::ToneMap;
-use crate::analysis::Analysis;
+use crate::display::{ColorMap, Pixels, ToneMap, escape, size, spectrum_pixels, ticks, vector_pixels, vector_ticks};
+use crate::estimate::Analysis;
 
 const TOP: f64 = 92.0;
 const LEFT: f64 = 84.0;

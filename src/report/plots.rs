@@ -1,92 +1,46 @@
 //! The pictures that plot curves: what is drawn in each, and over which range.
 
-use std::ops::Range;
-
 use super::figure::{
     BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, PURPLE, SKY, TopAxis, VERMILION, band_runs, runs, sub,
 };
-use super::text::{escape, human, shortened};
-use super::units::FrequencyUnit;
-use crate::analysis::Analysis;
-use crate::estimate::{Envelope, ErrorSource, Normalization, RadialSpectrum};
-use crate::plan::{Convention, SmoothingKernel};
+use crate::display::{
+    FrequencyUnit, Interval, Panel, Samples, about_one, decades, defined_anisotropy, error_note, escape, extent, human,
+    kernel_name, packing_symbol, shortened, size, top_of,
+};
+use crate::estimate::{Analysis, Envelope, Normalization};
+use crate::plan::Convention;
 
 pub(super) type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
-
-/// `n = 1024, K = 20`.
-pub(super) fn size(analysis: &Analysis) -> String {
-    let shape = &analysis.shape;
-    let n = if analysis.min_points == shape.max_points {
-        shape.max_points.to_string()
-    } else {
-        format!("{}–{} (mean {})", analysis.min_points, shape.max_points, human(shape.mean_points))
-    };
-    format!("n = {n}, K = {}", shape.realizations)
-}
-
-/// What a band around an estimate shows; `theory` names the theory used for K = 1.
-fn error_note(source: ErrorSource, theory: &str) -> String {
-    match source {
-        ErrorSource::AcrossRealizations => "band: ±1 standard error across realizations".into(),
-        ErrorSource::Theory => format!("band: ±1 standard error from theory ({theory})"),
-    }
-}
-
-/// How the kernel estimate is called.
-pub(super) fn kernel_name(shape: SmoothingKernel) -> &'static str {
-    match shape {
-        SmoothingKernel::Epanechnikov => "Epanechnikov",
-        SmoothingKernel::Gaussian => "Gaussian",
-        SmoothingKernel::Box => "box",
-    }
-}
-
-/// The symbol of the closest-packing distance, as HTML/SVG-neutral (base, subscript).
-pub(super) fn packing_symbol(dim: usize) -> (&'static str, &'static str) {
-    match dim {
-        1 => ("d", "even"),
-        2 => ("d", "hex"),
-        _ => ("d", "fcc"),
-    }
-}
 
 /// g against r, with its band, g = 1, the kernel estimate and the closed form.
 pub(super) fn pcf(analysis: &Analysis) -> Option<Svg> {
     let pcf = analysis.pair_correlation()?;
-    let intervals: Vec<_> = pcf.r.iter().enumerate().map(|(b, &r)| (pcf.r_lo[b], r, pcf.r_hi[b])).collect();
-    let (first, last) = (*intervals.first()?, *intervals.last()?);
+    let samples = Panel::Pcf.samples(analysis)?;
+    let (first, last) = (samples.all.first()?.interval, samples.all.last()?.interval);
     // Bins that grow by much cover decades: on a linear axis the small ones would share a few pixels.
     let log_x = first.0 > 0.0 && last.2 > 20.0 * first.0 && last.2 - last.0 > 5.0 * (first.2 - first.0);
     let values: Vec<(f64, f64)> = pcf.g.iter().copied().zip(pcf.g_se.iter().copied()).collect();
-    let closed = analysis.closed_form.g.as_deref();
     let kernel = analysis.kernel();
-    let smooth: Vec<f64> = closed.unwrap_or_default().to_vec();
     let (y, log_y) = match decades(&values) {
         Some(range) => (range, true),
-        None => (0.0..top_of(&values, &smooth), false),
+        None => (samples.range.clone(), false),
     };
     let top = y.end;
 
-    let at = |y: &[f64]| runs(intervals.iter().zip(y).map(|(&x, &y)| (x, Some(y))));
     let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let envelope = analysis.envelopes().and_then(|e| e.find("g"));
+    let intervals: Vec<_> = samples.all.iter().map(|s| s.interval).collect();
     layers.extend(envelope.map(|e| global_band("random, global", &intervals, e)));
     layers.extend([
-        Layer::Band {
-            name: "±1 s.e.".into(),
-            color: BLUE,
-            runs: band_runs(intervals.iter().zip(&values).map(|(&x, &(g, se))| (x, Some((g - se, g + se))))),
-        },
-        Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: at(&pcf.g) },
+        Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(samples.bands()) },
+        Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
     ]);
     if let Some(k) = kernel {
         let name = format!("{} kernel", kernel_name(k.kernel.shape));
-        let samples = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
-        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, dashed: false, runs: runs(samples) });
+        let smoothed = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
+        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, dashed: false, runs: runs(smoothed) });
     }
-    if let Some(g) = closed {
-        layers.push(Layer::Line { name: closed_name(analysis), color: INK, width: 1.4, dashed: true, runs: at(g) });
-    }
+    layers.extend(closed_form(analysis, &samples, analysis.closed_form.g.is_some()));
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
@@ -252,24 +206,22 @@ pub(super) fn pcf_angular(analysis: &Analysis) -> Option<Svg> {
 pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
     let radial = analysis.radial()?;
     let rings = &radial.rings;
+    let samples = Panel::Radial.samples(analysis)?;
     let x = 0.0..rings.last()?.nu_hi;
-    let values: Vec<(f64, f64)> = rings.iter().map(|r| (r.p, r.p_se)).collect();
-    let closed = analysis.closed_form.radial.as_deref();
-    let top = top_of(&values, closed.unwrap_or_default());
-    let samples = |y: &[f64]| runs(rings.iter().zip(y).map(|(r, &y)| ((r.nu_lo, r.nu, r.nu_hi), Some(y))));
-    let band = rings.iter().map(|r| ((r.nu_lo, r.nu, r.nu_hi), Some((r.p - r.p_se, r.p + r.p_se))));
-    let p: Vec<f64> = rings.iter().map(|r| r.p).collect();
     let confidence = rings.iter().map(|r| ((r.nu_lo, r.nu, r.nu_hi), r.band.map(|b| (b.lo, b.hi))));
     let mut layers = vec![
         Layer::Level { name: "P = 1".into(), y: 1.0 },
         Layer::Band { name: "95 %".into(), color: SKY, runs: band_runs(confidence) },
-        Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(band) },
-        Layer::Line { name: "radial mean".into(), color: BLUE, width: 1.6, dashed: false, runs: samples(&p) },
+        Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(samples.bands()) },
+        Layer::Line {
+            name: "radial mean".into(),
+            color: BLUE,
+            width: 1.6,
+            dashed: false,
+            runs: runs(samples.values()),
+        },
     ];
-    if let Some(p) = closed {
-        let name = closed_name(analysis);
-        layers.push(Layer::Line { name, color: INK, width: 1.4, dashed: true, runs: samples(p) });
-    }
+    layers.extend(closed_form(analysis, &samples, analysis.closed_form.radial.is_some()));
     layers.extend(mean_frequency(analysis, x.end));
     let figure = Figure {
         title: "Radial mean of the power spectrum P(ν)",
@@ -278,12 +230,12 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
             "{} · {}{}",
             size(analysis),
             error_note(radial.errors, "exponential ordinates"),
-            cut(p.iter().copied(), top)
+            cut(rings.iter().map(|r| r.p), samples.range.end)
         ),
         x_label: frequency_label(analysis),
         y_label: "P(ν) (dimensionless)".into(),
         x,
-        y: 0.0..top,
+        y: samples.range,
         log_x: false,
         log_y: false,
         top: None,
@@ -295,30 +247,20 @@ pub(super) fn spectrum_radial(analysis: &Analysis) -> Option<Svg> {
 /// Anisotropy against nu, with the level of an isotropic spectrum and the scatter expected around it. In one dimension a
 /// ring is a single independent mode: there is nothing to draw.
 pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
-    if analysis.domain.dim() == 1 {
-        return None;
-    }
+    let samples = Panel::Anisotropy.samples(analysis)?;
     let radial = analysis.radial()?;
     let rings = &radial.rings;
     let reference = radial.anisotropy_reference_db;
     let x = 0.0..rings.last()?.nu_hi;
     let defined = defined_anisotropy(radial);
-    let y = anisotropy_range(radial);
+    let y = samples.range.clone();
     let outside = defined.iter().filter(|a| !y.contains(a)).count();
 
-    let interval = |r: &crate::estimate::Ring| (r.nu_lo, r.nu, r.nu_hi);
-    let scatter = rings.iter().map(|r| (interval(r), r.anisotropy_db_se.map(|se| (reference - se, reference + se))));
     let db = human(reference);
     let mut layers = vec![
-        Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(scatter) },
+        Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(samples.bands()) },
         Layer::Level { name: format!("isotropic: {db} dB"), y: reference },
-        Layer::Line {
-            name: "anisotropy".into(),
-            color: BLUE,
-            width: 1.6,
-            dashed: false,
-            runs: runs(rings.iter().map(|r| (interval(r), r.anisotropy_db))),
-        },
+        Layer::Line { name: "anisotropy".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
     ];
     layers.extend(mean_frequency(analysis, x.end));
     let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size(analysis));
@@ -341,24 +283,6 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Svg> {
         layers,
     };
     Some(figure.svg())
-}
-
-fn defined_anisotropy(radial: &RadialSpectrum) -> Vec<f64> {
-    radial.rings.iter().filter_map(|r| r.anisotropy_db).filter(|a| a.is_finite()).collect()
-}
-
-/// The range of anisotropy that is drawn.
-pub(super) fn anisotropy_range(radial: &RadialSpectrum) -> Range<f64> {
-    let reference = radial.anisotropy_reference_db;
-    let defined = defined_anisotropy(radial);
-    let (lowest, highest) = extent(&defined).unwrap_or((reference, reference));
-    let (q_lo, q_hi) = (quantile(&defined, 0.03).unwrap_or(reference), quantile(&defined, 0.97).unwrap_or(reference));
-    // The first rings hold few modes and scatter by many dB; they may leave the frame, the rest may not.
-    let slack = (0.7 * (q_hi - q_lo)).max(1.5);
-    let lo = lowest.max(q_lo - slack).min(reference - 4.0);
-    let hi = highest.min(q_hi + slack).max(reference + 4.0);
-    let pad = 0.04 * (hi - lo);
-    lo - pad..hi + pad
 }
 
 /// G and F against r, with their bands, and what both are for a Poisson process.
@@ -412,15 +336,19 @@ pub(super) fn neighbor_functions(analysis: &Analysis) -> Option<Svg> {
 }
 
 /// The global envelope of complete spatial randomness.
-fn global_band(name: &str, intervals: &[(f64, f64, f64)], envelope: &Envelope) -> Layer {
+fn global_band(name: &str, intervals: &[Interval], envelope: &Envelope) -> Layer {
     let range = |(&lo, &hi): (&f64, &f64)| lo.is_finite().then_some((lo, hi));
     let band = envelope.global[0].iter().zip(&envelope.global[1]).map(range);
     Layer::Band { name: name.into(), color: GREY, runs: band_runs(intervals.iter().copied().zip(band)) }
 }
 
-fn closed_name(analysis: &Analysis) -> String {
-    let name = &analysis.closed_form.name;
-    if name.is_empty() { "closed form".into() } else { format!("closed form: {}", escape(&shortened(name, 28))) }
+/// The closed form, where there is one.
+fn closed_form(analysis: &Analysis, samples: &Samples, known: bool) -> Option<Layer> {
+    let name = match analysis.closed_form.name.as_str() {
+        "" => "closed form".into(),
+        name => format!("closed form: {}", escape(&shortened(name, 28))),
+    };
+    known.then(|| Layer::Line { name, color: INK, width: 1.4, dashed: true, runs: runs(samples.closed_form()) })
 }
 
 /// What ν is, by whose convention.
@@ -443,29 +371,6 @@ pub(super) fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
     (nu > 0.0 && nu < end).then(|| Layer::Hint { x: nu, label: format!("{symbol} = {}", human(nu)) })
 }
 
-/// The upper end of an axis from 0: everything, unless a few values would squash the rest. Values whose error is of
-/// their own size (the first, nearly empty bins) do not count; well measured ones may rise to 6 times the bulk.
-pub(super) fn top_of(values: &[(f64, f64)], smooth: &[f64]) -> f64 {
-    let finite: Vec<(f64, f64)> = values.iter().copied().filter(|(v, _)| v.is_finite()).collect();
-    let calm: Vec<(f64, f64)> = finite.iter().copied().filter(|&(v, se)| se <= 0.3 * v.max(1.0)).collect();
-    let (counted, headroom) = if 2 * calm.len() >= finite.len() { (calm, 6.0) } else { (finite, 2.5) };
-    let bulk: Vec<f64> = counted.iter().map(|v| v.0).collect();
-    let reach = |&(v, se): &(f64, f64)| if se.is_finite() { v + se } else { v };
-    let all: Vec<f64> = counted.iter().map(reach).chain(smooth.iter().copied().filter(|v| v.is_finite())).collect();
-    let limit = headroom * quantile(&bulk, 0.95).unwrap_or(1.0).max(1.0);
-    let highest = extent(&all).map_or(1.0, |e| e.1);
-    1.06 * highest.min(limit).max(1.3)
-}
-
-/// The range of a clustered pattern, whose g falls from far above 1: decades, since on a linear axis either the clusters
-/// or the rest could be seen. Not for curves that are 0 in many places, such as a lattice's.
-fn decades(values: &[(f64, f64)]) -> Option<Range<f64>> {
-    let positive: Vec<f64> = values.iter().filter(|(v, se)| v.is_finite() && *v > 0.0 && se < v).map(|v| v.0).collect();
-    let (lowest, highest) = extent(&positive)?;
-    let whole = 5 * positive.len() >= 3 * values.len() && highest > 30.0;
-    whole.then(|| (0.7 * lowest.min(0.5)).max(1e-3)..1.5 * highest)
-}
-
 /// Says so where values lie above the axis, or where there is none.
 pub(super) fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String {
     if !values.clone().any(f64::is_finite) {
@@ -479,32 +384,10 @@ pub(super) fn cut(values: impl Iterator<Item = f64> + Clone, top: f64) -> String
 }
 
 /// The directions of sectors in degrees, from 0 to 180: opposite directions are the same, so one about 0 is at both ends.
-pub(super) fn half_turn<S>(
-    sectors: &[S],
-    theta: impl Fn(&S) -> [f64; 3],
-) -> impl Iterator<Item = ((f64, f64, f64), &S)> {
+pub(super) fn half_turn<S>(sectors: &[S], theta: impl Fn(&S) -> [f64; 3]) -> impl Iterator<Item = (Interval, &S)> {
     let first = sectors.first().filter(|s| theta(s)[1] == 0.0).map(|s| (180.0, s));
     sectors.iter().map(|s| (0.0, s)).chain(first).map(move |(turn, s)| {
         let [lo, at, hi] = theta(s).map(|t| t.to_degrees() + turn);
         ((lo.max(0.0), at, hi.min(180.0)), s)
     })
-}
-
-/// The range of values about 1, which is part of the picture, and which noise does not fill.
-pub(super) fn about_one(values: &[f64]) -> Option<Range<f64>> {
-    let (lowest, highest) = extent(values)?;
-    let (lowest, highest) = (lowest.clamp(0.0, 0.98), highest.max(1.02));
-    let pad = 0.06 * (highest - lowest);
-    Some((lowest - pad).max(0.0)..highest + pad)
-}
-
-pub(super) fn extent(values: &[f64]) -> Option<(f64, f64)> {
-    let first = *values.first()?;
-    Some(values.iter().fold((first, first), |(lo, hi), &v| (lo.min(v), hi.max(v))))
-}
-
-fn quantile(values: &[f64], q: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(((sorted.len().max(1) - 1) as f64 * q).round() as usize).copied()
 }

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use plotters::prelude::*;
 
-use super::figure::{BLUE, WIDTH, fine, frame, heading, label, picture, thin, ticks};
-use super::text::human;
-use crate::analysis::Analysis;
+use super::figure::{BLUE, WIDTH, fine, frame, heading, label, picture, thin};
+use crate::display::{escape, human, ticks};
+use crate::estimate::Analysis;
 
 /// More points than this are a grey haze and a slow page: about as many stand for all.
 pub(super) const MAX_POINTS: usize = 20_000;
@@ -114,7 +114,7 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
         overlay.push_str("</g>\n");
     }
     let description = format!("Points. {}. {}, n = {}", analysis.subject, caption(analysis), human(n as f64));
-    picture((WIDTH, canvas_height), &super::text::escape(&description), &overlay, |root| {
+    picture((WIDTH, canvas_height), &escape(&description), &overlay, |root| {
         root.draw(&frame((left, TOP), (left + width, TOP + height)))?;
         for mark in marks {
             root.draw(&PathElement::new(mark.map(|(x, y)| (fine(x), fine(y))), thin()))?;

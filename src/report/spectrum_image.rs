@@ -1,20 +1,13 @@
 //! `spectrum.png`: P on the frequency grid in colours, DC at the centre, the y axis up.
 
-use super::color_map::sequential;
-use super::text::human;
-use super::tone_map::ToneMap;
+use crate::display::{DC, ToneMap, human, middle, peak, sequential};
 use crate::estimate::PowerSpectrum;
-use crate::plan::WaveGrid;
 use crate::points::Domain;
 
 /// What a colour means, in words; the same text is in the file and in the page.
 pub(super) fn tone_text() -> String {
     format!("{}; colour map: viridis, from dark blue through green to yellow", ToneMap::Reinhard.definition())
 }
-
-/// A grid may be far larger than any screen; a picture shows at most `|m| <= HALF_SIDE` per axis, so that one mode stays
-/// at least one pixel and the page stays a few MB.
-const HALF_SIDE: u32 = 1023;
 
 /// Pixels a small grid is magnified towards, by whole factors.
 const TARGET: f64 = 1024.0;
@@ -24,14 +17,6 @@ const THINNEST: f64 = 0.25;
 
 /// Pixels that an isolated peak has at least per axis, however large the grid.
 const PEAK: u32 = 5;
-
-/// P above this is an isolated peak: far above what one realization of `n` points without peaks shows.
-pub(super) fn peak(n: f64) -> f64 {
-    n.sqrt().max(32.0)
-}
-
-/// DC is n, not a fluctuation: a grey that means nothing.
-pub(super) const DC: [u8; 3] = [128; 3];
 
 /// The picture and what it shows.
 pub(super) struct SpectrumImage {
@@ -58,12 +43,6 @@ fn pixels(modes: [u32; 2], sides: [f64; 2]) -> [u32; 2] {
         }
     }
     pixels.map(|p| p as u32)
-}
-
-/// The largest m_x and m_y that are shown.
-pub(super) fn middle(grid: &WaveGrid) -> [i32; 2] {
-    let [f0, f1, _] = grid.max_frequency();
-    [f0, f1].map(|f| f.min(HALF_SIDE) as i32)
 }
 
 /// `None` for a list, and in one dimension, where the radial curve already shows all. `n` is the number of points.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::text::{human, with_error};
+use crate::display::{human, with_error};
 use crate::estimate::{
     BandLaw, CONFIDENCE, Diaphony, LagConsistency, LowFrequency, MANY_ORDINATES, MANY_REALIZATIONS, RadialSpectrum,
     SpectrumDetails,

@@ -1,9 +1,9 @@
 //! Pictures of P along axes and by direction.
 
 use super::figure::{BLUE, Figure, GREEN, Layer, VERMILION, band_runs, runs};
-use super::plots::{Svg, about_one, cut, half_turn, mean_frequency, size, top_of};
-use crate::analysis::Analysis;
-use crate::estimate::{AxisMode, Band, SectorPower};
+use super::plots::{Svg, cut, half_turn, mean_frequency};
+use crate::display::{about_one, size, top_of};
+use crate::estimate::{Analysis, AxisMode, Band, SectorPower};
 
 /// Below this many realizations the band of a single mode fills the frame and is left to the file.
 const BANDS_FROM: f64 = 10.0;

@@ -3,11 +3,11 @@
 use serde::{Serialize, Serializer};
 
 use super::spectrum_numbers::{BandsOut, ConsistencyOut, ScalarsOut};
-use super::vector_image;
-use crate::analysis::Analysis;
 use crate::compute::Backend;
+use crate::display;
 use crate::estimate::{
-    BondOrder, CovarianceScalars, CrossValidation, ErrorSource, NeighborDistances, Normalization, PsaStatistics,
+    Analysis, BondOrder, CovarianceScalars, CrossValidation, ErrorSource, NeighborDistances, Normalization,
+    PsaStatistics,
 };
 use crate::plan::{
     Convention, Correction, Divisor, Kernel, KernelRoad, PowerBound, RING_DIRECTIONS_RULE, WaveGrid, WaveVectors,
@@ -308,8 +308,8 @@ pub(super) fn json(analysis: &Analysis, files: Vec<&'static str>) -> serde_json:
             correction: v.correction,
             errors: v.errors,
             rings: v.sectors.chunk_by(|a, b| a.r == b.r).map(|ring| ring[0].r[1]).collect(),
-            picture_range: (v.grid.dim() > 1).then(|| vector_image::range(v)),
-            picture_quantile: (v.grid.dim() > 1).then_some(vector_image::QUANTILE),
+            picture_range: (v.grid.dim() > 1).then(|| display::range(v)),
+            picture_quantile: (v.grid.dim() > 1).then_some(display::QUANTILE),
         }),
         spectrum: a.spectrum().map(|s| SpectrumOut {
             max_frequency: s.waves.grid().map(|grid| grid.max_frequency()[..grid.dim()].to_vec()),

@@ -1,7 +1,6 @@
 //! Tables: named columns, and the CSV files made of them.
 
-use crate::analysis::Analysis;
-use crate::estimate::{Band, Envelope};
+use crate::estimate::{Analysis, Band, Envelope};
 
 /// Columns of equal length.
 pub(super) struct Table {

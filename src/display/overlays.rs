@@ -1,11 +1,10 @@
 //! What is drawn with the points of the first realization, in the domain's length unit: planes to look at, links to nearest
 //! neighbours, strata, and copies across the sides of a torus.
 
+use super::human;
 use crate::compute::{Control, neighbors::nearest_neighbors};
 use crate::error::Result;
 use crate::points::{Domain, Ensemble};
-
-use super::text::human;
 
 /// A point or corner: to the right, upward.
 pub type Place = [f64; 2];

@@ -1,9 +1,8 @@
 //! Units and scales of axes: from a value of the analysis to where it is drawn, and back.
 
-use super::figure;
-use super::plots::packing_symbol;
-use super::text::human;
-use crate::analysis::Analysis;
+use super::words::packing_symbol;
+use super::{human, ticks};
+use crate::estimate::Analysis;
 use crate::plan::Convention;
 use crate::points::Domain;
 
@@ -222,11 +221,11 @@ impl Axis {
     pub fn ticks(self, low: f64, high: f64, target: u32) -> Vec<(f64, String)> {
         match self.scale {
             AxisScale::Log if high - low < 300.0 && low.abs().max(high.abs()) < 300.0 => {
-                let decades = figure::log_ticks(&(10f64.powf(low)..10f64.powf(high)));
+                let decades = ticks::log_ticks(&(10f64.powf(low)..10f64.powf(high)));
                 decades.into_iter().map(|(t, text)| (t.log10(), text)).collect()
             }
             AxisScale::Log => Vec::new(),
-            AxisScale::Linear | AxisScale::Decibel => figure::ticks(&(low..high), target),
+            AxisScale::Linear | AxisScale::Decibel => ticks::ticks(&(low..high), target),
         }
     }
 

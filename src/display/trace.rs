@@ -1,9 +1,10 @@
 //! g(r), P(nu) and anisotropy as polylines along two axes, and the frame that suits them.
 
 use super::Panel;
-use super::plots::{self, anisotropy_range, top_of};
+use super::ranges::extent;
+use super::samples::{Sample, Samples};
 use super::units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
-use crate::analysis::Analysis;
+use crate::estimate::Analysis;
 use crate::plan::Convention;
 
 /// A place on a panel, as drawn.
@@ -11,7 +12,7 @@ pub type Drawn = [f64; 2];
 
 /// What a panel of curves draws of one analysis. Where a value is undefined, as the logarithm of 0 is, lines and bands break.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct Trace {
     /// The estimate.
     pub line: Vec<Vec<Drawn>>,
     /// One standard error on either side of it, (x, low, high); of anisotropy, what an isotropic spectrum scatters by. On a
@@ -52,24 +53,16 @@ impl Frame {
     }
 }
 
-/// A value at x with the two ends of its band, and its closed form.
-struct Sample {
-    x: f64,
-    value: Option<f64>,
-    band: Option<[f64; 2]>,
-    closed_form: Option<f64>,
-}
-
 impl Panel {
-    /// Its curve; `None` where the analysis has none, or the panel is none of curves.
-    pub fn curve(self, analysis: &Analysis, x: Axis, y: Axis) -> Option<Curve> {
-        let (samples, reference, range) = self.samples(analysis)?;
-        let drawn: Vec<f64> = samples.iter().filter_map(|s| x.forward(s.x)).collect();
+    /// What it draws in lines; `None` where the analysis has none, or the panel is none of curves.
+    pub fn trace(self, analysis: &Analysis, x: Axis, y: Axis) -> Option<Trace> {
+        let Samples { all: samples, reference, range } = self.samples(analysis)?;
+        let drawn: Vec<f64> = samples.iter().filter_map(|s| x.forward(s.interval.1)).collect();
         let first = drawn.first()?;
-        let from_zero = x.scale() == AxisScale::Linear && samples[0].x >= 0.0;
+        let from_zero = x.scale() == AxisScale::Linear && samples[0].interval.1 >= 0.0;
         let x_frame = [if from_zero { 0.0 } else { *first }, *drawn.last()?];
         let y_frame = match y.scale() {
-            AxisScale::Linear => [y.in_unit(range[0]), y.in_unit(range[1])],
+            AxisScale::Linear => [y.in_unit(range.start), y.in_unit(range.end)],
             AxisScale::Log | AxisScale::Decibel => positive(&samples, y).unwrap_or([-1.0, 1.0]),
         };
         // A frame of no width would show nothing.
@@ -77,15 +70,15 @@ impl Panel {
         let frame = Frame { x: wide(x_frame), y: wide(y_frame) };
         let place = |at: f64, value: Option<f64>| Some([x.forward(at)?, y.forward(value?)?]);
         let band = |s: &Sample| {
-            let [low, high] = s.band?;
+            let (low, high) = s.band?;
             let high = y.forward(high)?;
-            Some([x.forward(s.x)?, y.forward(low).unwrap_or(frame.y[0].min(high)), high])
+            Some([x.forward(s.interval.1)?, y.forward(low).unwrap_or(frame.y[0].min(high)), high])
         };
-        Some(Curve {
-            line: pieces(samples.iter().map(|s| place(s.x, s.value))),
+        Some(Trace {
+            line: pieces(samples.iter().map(|s| place(s.interval.1, s.value))),
             band: pieces(samples.iter().map(band)),
-            closed_form: pieces(samples.iter().map(|s| place(s.x, s.closed_form))),
-            reference: reference.and_then(|r| y.forward(r)),
+            closed_form: pieces(samples.iter().map(|s| place(s.interval.1, s.closed_form))),
+            reference: y.forward(reference),
             landmark: self.landmark(analysis).and_then(|(at, symbol)| Some((x.forward(at)?, symbol))),
             frame,
         })
@@ -131,51 +124,6 @@ impl Panel {
             _ => None,
         }
     }
-
-    /// Values with their x, what they are compared with, and the range that is drawn on a linear scale.
-    fn samples(self, analysis: &Analysis) -> Option<(Vec<Sample>, Option<f64>, [f64; 2])> {
-        let finite = |value: f64| value.is_finite().then_some(value);
-        let around = |value: f64, se: f64| (value.is_finite() && se.is_finite()).then_some([value - se, value + se]);
-        match self {
-            Self::Pcf => {
-                let pcf = analysis.pair_correlation()?;
-                let closed = analysis.closed_form.g.as_deref().unwrap_or_default();
-                let samples = pcf.r.iter().enumerate().map(|(b, &x)| Sample {
-                    x,
-                    value: finite(pcf.g[b]),
-                    band: around(pcf.g[b], pcf.g_se[b]),
-                    closed_form: closed.get(b).copied(),
-                });
-                let values: Vec<_> = pcf.g.iter().copied().zip(pcf.g_se.iter().copied()).collect();
-                Some((samples.collect(), Some(1.0), [0.0, top_of(&values, closed)]))
-            }
-            Self::Radial => {
-                let radial = analysis.radial()?;
-                let closed = analysis.closed_form.radial.as_deref().unwrap_or_default();
-                let samples = radial.rings.iter().enumerate().map(|(k, ring)| Sample {
-                    x: ring.nu,
-                    value: finite(ring.p),
-                    band: around(ring.p, ring.p_se),
-                    closed_form: closed.get(k).copied(),
-                });
-                let values: Vec<_> = radial.rings.iter().map(|r| (r.p, r.p_se)).collect();
-                Some((samples.collect(), Some(1.0), [0.0, top_of(&values, closed)]))
-            }
-            Self::Anisotropy if analysis.domain.dim() > 1 => {
-                let radial = analysis.radial()?;
-                let reference = radial.anisotropy_reference_db;
-                let samples = radial.rings.iter().map(|ring| Sample {
-                    x: ring.nu,
-                    value: ring.anisotropy_db.and_then(finite),
-                    band: ring.anisotropy_db_se.and_then(|se| around(reference, se)),
-                    closed_form: None,
-                });
-                let range = anisotropy_range(radial);
-                Some((samples.collect(), Some(reference), [range.start, range.end]))
-            }
-            Self::Anisotropy | Self::Points | Self::Spectrum | Self::Vector => None,
-        }
-    }
 }
 
 /// What is positive by rounding alone does not set a range: 12 decades below the largest value.
@@ -184,9 +132,9 @@ const LOWEST: f64 = 1e-12;
 /// The range of the positive values and closed forms, with complete randomness and some room.
 fn positive(samples: &[Sample], y: Axis) -> Option<[f64; 2]> {
     let values: Vec<f64> = samples.iter().flat_map(|s| [s.value, s.closed_form]).flatten().chain([1.0]).collect();
-    let (_, largest) = plots::extent(&values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<_>>())?;
+    let (_, largest) = extent(&values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<_>>())?;
     let drawn = values.into_iter().filter(|v| *v > LOWEST * largest).filter_map(|v| y.forward(v));
-    let (low, high) = plots::extent(&drawn.collect::<Vec<_>>())?;
+    let (low, high) = extent(&drawn.collect::<Vec<_>>())?;
     let room = (0.05 * (high - low)).max(y.forward(1.3)?);
     Some([low - room, high + room])
 }

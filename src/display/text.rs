@@ -1,12 +1,12 @@
 //! Numbers and user text, as people read them.
 
 /// `x` with 4 significant digits, a true minus sign and powers of ten as superscripts: `0.03358`, `1.2×10⁻⁷`.
-pub(super) fn human(x: f64) -> String {
+pub(crate) fn human(x: f64) -> String {
     significant(x, 4)
 }
 
 /// `x ± se`, both to the second digit of `se`; without a usable `se`, as `human`.
-pub(super) fn with_error(x: f64, se: Option<f64>) -> String {
+pub(crate) fn with_error(x: f64, se: Option<f64>) -> String {
     match se {
         Some(se) if se > 0.0 && se.is_finite() && x.is_finite() => {
             let digits = magnitude(x) - magnitude(se) + 2;
@@ -47,7 +47,7 @@ fn trimmed(x: f64, decimals: usize) -> String {
 }
 
 /// A tick label: as many decimals as the step between ticks needs.
-pub(super) fn tick(x: f64, step: f64) -> String {
+pub(crate) fn tick(x: f64, step: f64) -> String {
     let largest = x.abs().max(step);
     if !(1e-4..1e6).contains(&largest) && x != 0.0 {
         return significant(x, magnitude(x) - magnitude(step) + 1);
@@ -65,7 +65,7 @@ fn superscript(e: i32) -> String {
 
 /// Text made safe for XML and HTML, in content and in quoted attributes. Control characters, which XML cannot hold at
 /// all, become U+FFFD.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -83,7 +83,7 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// At most `max` characters, the middle left out: both ends of a file name tell more than its middle.
-pub(super) fn shortened(text: &str, max: usize) -> String {
+pub(crate) fn shortened(text: &str, max: usize) -> String {
     let chars: Vec<char> = text.chars().collect();
     if chars.len() <= max {
         return text.into();

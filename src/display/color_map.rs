@@ -1,4 +1,4 @@
-//! Colour maps, even in lightness and told apart by colour-blind readers. The diverging one of the reports: blue, white, red, with lightness even on both sides and told apart by colour-blind readers.
+//! Colour maps, even in lightness and told apart by colour-blind readers. The diverging one of the reports, blue, white, red:
 //! Moreland, "Diverging Color Maps for Scientific Visualization", ISVC 2009: linear in a polar form of CIELAB (M: length,
 //! s: angle from the grey axis, h: hue), from his blue over his white to his red.
 
@@ -67,7 +67,7 @@ const RED: [f64; 3] = [80.0, 1.08, 0.5];
 const WHITE: f64 = 88.0;
 
 /// The colour at `x` in [0, 1], as 8-bit sRGB; 1/2 is white, NaN too.
-pub(super) fn diverging(x: f64) -> [u8; 3] {
+pub(crate) fn diverging(x: f64) -> [u8; 3] {
     let x = if x.is_nan() { 0.5 } else { x.clamp(0.0, 1.0) };
     let end = if x < 0.5 { BLUE } else { RED };
     // On the way to white the hue turns, so that the path stays even.
@@ -79,7 +79,7 @@ pub(super) fn diverging(x: f64) -> [u8; 3] {
 }
 
 /// The colour of the reports for P at `x` in [0, 1].
-pub(super) fn sequential(x: f64) -> [u8; 3] {
+pub(crate) fn sequential(x: f64) -> [u8; 3] {
     ColorMap::Viridis.color(x)
 }
 

@@ -1,6 +1,6 @@
 //! Where a value of P is between the two ends of the colours.
 
-use super::text::human;
+use super::human;
 
 const REINHARD: &str =
     "v = P (1 + P / n^2) / (1 + P) (Reinhard et al. 2002, eq. 4): P = 0 lowest, P = 1 in the middle, P = n highest";
@@ -67,7 +67,7 @@ impl ToneMap {
 
     /// The colour bar: places from 0 to 1, rising, and the P (or dB of P) that they stand for.
     pub fn ticks(self, n: f64) -> Vec<(f64, String)> {
-        let steps = |end: f64, target: u32| super::figure::ticks(&(0.0..end), target).into_iter();
+        let steps = |end: f64, target: u32| super::ticks::ticks(&(0.0..end), target).into_iter();
         match self {
             Self::Reinhard => {
                 let known = [0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0];
@@ -75,11 +75,11 @@ impl ToneMap {
                 below.map(|p| (self.tone(p, n), human(p))).chain([(1.0, format!("n = {}", human(n)))]).collect()
             }
             Self::Linear { max } => steps(max, 5).map(|(p, text)| (p / max, text)).collect(),
-            Self::Log { decades } => super::figure::ticks(&(-decades..decades), 6)
+            Self::Log { decades } => super::ticks::ticks(&(-decades..decades), 6)
                 .into_iter()
                 .map(|(t, _)| (0.5 + t / (2.0 * decades), human(10f64.powf(t))))
                 .collect(),
-            Self::Decibel { range } => super::figure::ticks(&(-range..range), 6)
+            Self::Decibel { range } => super::ticks::ticks(&(-range..range), 6)
                 .into_iter()
                 .map(|(t, text)| (0.5 + t / (2.0 * range), format!("{text} dB")))
                 .collect(),

@@ -1,7 +1,7 @@
 //! How far a measurement under way is, in words.
 
-use super::text::human;
-use crate::analysis::Status;
+use super::Status;
+use crate::display::human;
 
 impl Status {
     /// Realizations that are in all sums that are wanted.

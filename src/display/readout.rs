@@ -1,9 +1,9 @@
 //! What an analysis says at one place: the bin, ring, mode or cell there, with value, error and unit.
 
-use super::text::{human, with_error};
+use super::lag_slices::{panels, slice_cells};
 use super::units::Axis;
-use super::vector_image::{panels, slice_cells};
-use crate::analysis::Analysis;
+use super::{human, with_error};
+use crate::estimate::Analysis;
 
 /// g in a bin.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,11 +1,11 @@
 //! Pictures for a screen, not encoded: one pixel per mode of P, or per cell of lags of g.
 
 use super::color_map::ColorMap;
-use super::figure;
-use super::spectrum_image::{DC, middle, peak};
+use super::lag_slices::{panels, range, slice};
+use super::ticks;
 use super::tone_map::ToneMap;
-use super::vector_image::{panels, range, slice};
-use crate::analysis::Analysis;
+use crate::estimate::Analysis;
+use crate::plan::WaveGrid;
 
 /// A picture, row by row from the top, i.e. from the highest y.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,24 @@ pub struct Pixels {
     pub extent: [[f64; 2]; 2],
     /// Which axes of the domain are to the right and upward.
     pub axes: [usize; 2],
+}
+
+/// A grid may be far larger than any screen; a picture shows at most `|m| <= HALF_SIDE` per axis, so that one mode stays
+/// at least one pixel and the page stays a few MB.
+const HALF_SIDE: u32 = 1023;
+
+/// P above this is an isolated peak: far above what one realization of `n` points without peaks shows.
+pub(crate) fn peak(n: f64) -> f64 {
+    n.sqrt().max(32.0)
+}
+
+/// DC is n, not a fluctuation: a grey that means nothing.
+pub(crate) const DC: [u8; 3] = [128; 3];
+
+/// The largest m_x and m_y that are shown.
+pub(crate) fn middle(grid: &WaveGrid) -> [i32; 2] {
+    let [f0, f1, _] = grid.max_frequency();
+    [f0, f1].map(|f| f.min(HALF_SIDE) as i32)
 }
 
 /// How many cells a pixel covers along each axis, and how many pixels there are along one of `cells`, where there is room for
@@ -126,5 +144,5 @@ pub fn vector_reach(analysis: &Analysis) -> Option<f64> {
 pub fn vector_ticks(analysis: &Analysis, reach: Option<f64>) -> Option<Vec<(f64, String)>> {
     let [low, high] = ends(analysis, reach)?;
     let place = |(g, text): (f64, String)| ((g - low) / (high - low), text);
-    Some(figure::ticks(&(low.max(0.0)..high), 6).into_iter().map(place).collect())
+    Some(ticks::ticks(&(low.max(0.0)..high), 6).into_iter().map(place).collect())
 }
