@@ -50,5 +50,6 @@ pub mod request;
 pub mod samplers;
 mod sinc;
 pub mod source;
+mod statistics;
 
 pub use error::{Error, Result};

@@ -2,6 +2,7 @@
 
 mod color_map;
 mod decimate;
+pub(crate) mod figure;
 mod lag_slices;
 pub mod overlays;
 mod panel;

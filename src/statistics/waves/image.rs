@@ -1,11 +1,12 @@
 //! `spectrum.png`: P on the frequency grid in colours, DC at the centre, the y axis up.
 
-use crate::display::{DC, ToneMap, human, middle, peak, sequential};
-use crate::estimate::PowerSpectrum;
-use crate::points::Domain;
+use super::figures::DEFINITION;
+use crate::display::{DC, ToneMap, escape, human, middle, peak, sequential};
+use crate::estimate::Analysis;
+use crate::statistics::{Bar, Image};
 
 /// What a colour means, in words; the same text is in the file and in the page.
-pub(super) fn tone_text() -> String {
+pub(crate) fn tone_text() -> String {
     format!("{}; colour map: viridis, from dark blue through green to yellow", ToneMap::Reinhard.definition())
 }
 
@@ -17,17 +18,6 @@ const THINNEST: f64 = 0.25;
 
 /// Pixels that an isolated peak has at least per axis, however large the grid.
 const PEAK: u32 = 5;
-
-/// The picture and what it shows.
-pub(super) struct SpectrumImage {
-    pub(super) png: Vec<u8>,
-    pub(super) width: u32,
-    pub(super) height: u32,
-    /// What is seen, besides the tone map.
-    pub(super) caption: String,
-    /// Places on the colour bar, from 0 to 1, and the P that they stand for.
-    pub(super) ticks: Vec<(f64, String)>,
-}
 
 /// Pixels per mode along both axes: modes keep their shape in frequency per unit length, as far as whole pixels allow, and the
 /// picture is not too thin to be seen.
@@ -45,17 +35,14 @@ fn pixels(modes: [u32; 2], sides: [f64; 2]) -> [u32; 2] {
     pixels.map(|p| p as u32)
 }
 
-/// `None` for a list, and in one dimension, where the radial curve already shows all. `n` is the number of points.
-pub(super) fn render(
-    spectrum: &PowerSpectrum,
-    domain: &Domain,
-    n: f64,
-) -> Result<Option<SpectrumImage>, png::EncodingError> {
-    let Some(grid) = spectrum.waves.grid().filter(|grid| grid.dim() >= 2) else { return Ok(None) };
+/// `None` for a list, and in one dimension, where the radial curve already shows all.
+pub(crate) fn image(analysis: &Analysis) -> Option<Image> {
+    let (spectrum, grid) = analysis.grid_of_power().filter(|(_, grid)| grid.dim() >= 2)?;
+    let (sides, n) = (analysis.domain.sides(), analysis.shape.mean_points);
     let [f0, f1, _] = grid.max_frequency();
     let [h0, h1] = middle(grid);
     let (columns, rows) = (2 * h0 as u32 + 1, 2 * h1 as u32 + 1);
-    let [dx, dy] = pixels([columns, rows], [domain.sides()[0], domain.sides()[1]]);
+    let [dx, dy] = pixels([columns, rows], [sides[0], sides[1]]);
     let (width, height) = (columns * dx, rows * dy);
 
     let tone = |p: f64| ToneMap::Reinhard.tone(p, n);
@@ -105,28 +92,21 @@ pub(super) fn render(
         let wide = 2 * reach + 1;
         caption.push_str(&format!(", peaks above P = {} at least {wide} pixels wide", human(peak(n))));
     }
-    let png = encode(&image, [width, height], "Power spectrum P(m)", &format!("{caption}. Tone map: {}", tone_text()))?;
-    Ok(Some(SpectrumImage { png, width, height, caption, ticks: ToneMap::Reinhard.ticks(n) }))
+    Some(Image {
+        rgb: image,
+        size: [width, height],
+        title: "Power spectrum P(m)",
+        description: format!("{caption}. Tone map: {}", tone_text()),
+        seen: caption,
+        alt: "Power spectrum on the frequency grid",
+        bar: Bar::Sequential(ToneMap::Reinhard.ticks(n)),
+    })
 }
 
-/// An RGB picture with its title and description, which are in ASCII.
-pub(super) fn encode(
-    rgb: &[u8],
-    [width, height]: [u32; 2],
-    title: &str,
-    description: &str,
-) -> Result<Vec<u8>, png::EncodingError> {
-    let mut png = Vec::new();
-    let mut encoder = png::Encoder::new(&mut png, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.add_text_chunk("Title".into(), title.into())?;
-    encoder.add_text_chunk("Description".into(), description.into())?;
-    encoder.add_text_chunk("Software".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into())?;
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()?;
-    Ok(png)
+/// What the picture shows.
+pub(super) fn caption(_: &Analysis, seen: &str) -> Option<String> {
+    let (seen, tones) = (escape(seen), escape(&tone_text()));
+    Some(format!("{DEFINITION} on the frequency grid: {seen}. Tone map: {tones}."))
 }
 
 #[cfg(test)]

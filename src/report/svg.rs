@@ -1,4 +1,4 @@
-//! How the curves look: one frame, bands, lines, levels and a legend that stands outside the frame.
+//! Figures as SVG, and how they look: one frame, bands, lines, levels and a legend that stands outside the frame.
 //!
 //! plotters lays out and draws the geometry. Its SVG backend counts in whole pixels, so a figure is drawn ten times too
 //! large and scaled down. Text is written here: plotters knows neither the width of a glyph nor a subscript.
@@ -9,7 +9,9 @@ use std::ops::Range;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use crate::display::{Interval, escape, log_ticks, shortened, thinned_band, thinned_line, ticks};
+use crate::display::figure::{Figure, GREY, Layer, Rgb};
+use crate::display::{escape, log_ticks, shortened, thinned_band, thinned_line, ticks};
+use crate::statistics::Svg;
 
 /// Width of a figure in px.
 pub(super) const WIDTH: u32 = 900;
@@ -25,100 +27,42 @@ const LEFT: f64 = 84.0;
 const RIGHT: f64 = 872.0;
 const BOTTOM: f64 = 532.0;
 
-/// The palette (Okabe and Ito 2008, told apart by colour-blind readers) and the greys around it.
-pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
-pub(super) const VERMILION: RGBColor = RGBColor(213, 94, 0);
-pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
-pub(super) const PURPLE: RGBColor = RGBColor(204, 121, 167);
-pub(super) const ORANGE: RGBColor = RGBColor(230, 159, 0);
-pub(super) const SKY: RGBColor = RGBColor(86, 180, 233);
-pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
-pub(super) const GREY: RGBColor = RGBColor(125, 125, 125);
 const GRID: RGBColor = RGBColor(232, 232, 232);
 const FRAME: RGBColor = RGBColor(90, 90, 90);
 
 pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// What is drawn, in this order.
-pub(super) enum Layer {
-    /// A filled band between two curves.
-    Band { name: String, color: RGBColor, runs: Vec<Vec<[f64; 3]>> },
-    /// A curve.
-    Line { name: String, color: RGBColor, width: f64, dashed: bool, runs: Vec<Vec<(f64, f64)>> },
-    /// A horizontal reference.
-    Level { name: String, y: f64 },
-    /// A vertical hint with its label (SVG text).
-    Hint { x: f64, label: String },
+/// The figure as SVG text.
+pub(super) fn svg(figure: &Figure) -> Svg {
+    Drawing(figure).svg()
 }
 
-/// A second scale on top: a tick at `t` stands at `t * unit` on the x axis.
-pub(super) struct TopAxis {
-    pub(super) label: String,
-    pub(super) unit: f64,
-}
+/// A figure that is being drawn.
+struct Drawing<'a>(&'a Figure);
 
-/// A picture of curves. Labels are SVG text, i.e. already escaped.
-pub(super) struct Figure {
-    pub(super) title: &'static str,
-    pub(super) subject: String,
-    pub(super) note: String,
-    pub(super) x_label: String,
-    pub(super) y_label: String,
-    pub(super) x: Range<f64>,
-    pub(super) y: Range<f64>,
-    pub(super) log_x: bool,
-    /// Only for a range that starts above 0; what is 0 leaves the frame at the bottom.
-    pub(super) log_y: bool,
-    pub(super) top: Option<TopAxis>,
-    pub(super) layers: Vec<Layer>,
-}
-
-/// The runs of defined samples. A lone one is a step over its whole interval, so that it can be seen.
-pub(super) fn runs(samples: impl IntoIterator<Item = (Interval, Option<f64>)>) -> Vec<Vec<(f64, f64)>> {
-    let banded = samples.into_iter().map(|(x, y)| (x, y.map(|y| (y, y))));
-    let strip = |run: Vec<[f64; 3]>| run.into_iter().map(|[x, y, _]| (x, y)).collect();
-    band_runs(banded).into_iter().map(strip).collect()
-}
-
-/// As `runs`, for pairs of values.
-pub(super) fn band_runs(samples: impl IntoIterator<Item = (Interval, Option<(f64, f64)>)>) -> Vec<Vec<[f64; 3]>> {
-    let mut all: Vec<Vec<(Interval, f64, f64)>> = vec![Vec::new()];
-    for (x, y) in samples {
-        match (y, all.last_mut()) {
-            (Some((a, b)), Some(run)) if a.is_finite() && b.is_finite() => run.push((x, a, b)),
-            _ => all.push(Vec::new()),
-        }
-    }
-    let points = |run: Vec<(Interval, f64, f64)>| match run[..] {
-        [((lo, _, hi), a, b)] => vec![[lo, a, b], [hi, a, b]],
-        _ => run.into_iter().map(|((_, x, _), a, b)| [x, a, b]).collect(),
-    };
-    all.into_iter().filter(|r| !r.is_empty()).map(points).collect()
-}
-
-impl Figure {
+impl Drawing<'_> {
     /// Where the frame begins.
     fn frame_top(&self) -> f64 {
-        if self.top.is_some() { 150.0 } else { 112.0 }
+        if self.0.top.is_some() { 150.0 } else { 112.0 }
     }
 
     /// The abscissa as it is drawn.
     fn place(&self, x: f64) -> f64 {
-        if self.log_x { x.ln() } else { x }
+        if self.0.log_x { x.ln() } else { x }
     }
 
     /// The ordinate as it is drawn.
     fn place_y(&self, y: f64) -> f64 {
-        if self.log_y { y.max(self.y.start * 1e-3).ln() } else { y }
+        if self.0.log_y { y.max(self.0.y.start * 1e-3).ln() } else { y }
     }
 
     fn drawn_y(&self) -> Range<f64> {
-        self.place_y(self.y.start)..self.place_y(self.y.end)
+        self.place_y(self.0.y.start)..self.place_y(self.0.y.end)
     }
 
     fn drawn_x(&self) -> Range<f64> {
-        self.place(self.x.start)..self.place(self.x.end)
+        self.place(self.0.x.start)..self.place(self.0.x.end)
     }
 
     fn px_x(&self, x: f64) -> f64 {
@@ -131,11 +75,10 @@ impl Figure {
         BOTTOM - (self.place_y(y) - drawn.start) / (drawn.end - drawn.start) * (BOTTOM - self.frame_top())
     }
 
-    /// The picture as SVG text.
-    pub(super) fn svg(&self) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
-        let mut text = heading(self.title, &self.subject, &self.note);
-        let x_ticks = if self.log_x { log_ticks(&self.x) } else { ticks(&self.x, 9) };
-        let y_ticks = if self.log_y { log_ticks(&self.y) } else { ticks(&self.y, 7) };
+    fn svg(&self) -> Svg {
+        let mut text = heading(self.0.title, &self.0.subject, &self.0.note);
+        let x_ticks = if self.0.log_x { log_ticks(&self.0.x) } else { ticks(&self.0.x, 9) };
+        let y_ticks = if self.0.log_y { log_ticks(&self.0.y) } else { ticks(&self.0.y, 7) };
         for &(x, ref label) in &x_ticks {
             write_text(&mut text, self.px_x(x), BOTTOM + 21.0, "middle", LABEL, label);
         }
@@ -143,14 +86,14 @@ impl Figure {
             write_text(&mut text, LEFT - 9.0, self.px_y(y) + 4.5, "end", LABEL, label);
         }
         let middle = 0.5 * (LEFT + RIGHT);
-        write_text(&mut text, middle, BOTTOM + 50.0, "middle", AXIS, &self.x_label);
+        write_text(&mut text, middle, BOTTOM + 50.0, "middle", AXIS, &self.0.x_label);
         let y_middle = 0.5 * (BOTTOM + self.frame_top());
         let turned = format!(r#"{AXIS} transform="rotate(-90 24 {y_middle})""#);
-        write_text(&mut text, 24.0, y_middle, "middle", &turned, &self.y_label);
+        write_text(&mut text, 24.0, y_middle, "middle", &turned, &self.0.y_label);
         let mut top_ticks = Vec::new();
-        if let Some(top) = &self.top {
-            let range = self.x.start / top.unit..self.x.end / top.unit;
-            top_ticks = if self.log_x { log_ticks(&range) } else { ticks(&range, 9) };
+        if let Some(top) = &self.0.top {
+            let range = self.0.x.start / top.unit..self.0.x.end / top.unit;
+            top_ticks = if self.0.log_x { log_ticks(&range) } else { ticks(&range, 9) };
             for (t, label) in &mut top_ticks {
                 *t *= top.unit;
                 write_text(&mut text, self.px_x(*t), self.frame_top() - 11.0, "middle", LABEL, label);
@@ -158,7 +101,7 @@ impl Figure {
             write_text(&mut text, middle, self.frame_top() - 32.0, "middle", LABEL, &top.label);
         }
         self.legend(&mut text);
-        for layer in &self.layers {
+        for layer in &self.0.layers {
             if let Layer::Hint { x, label } = layer {
                 // The label stays inside the frame: it turns to the left of its line near the right end.
                 let at = self.px_x(*x);
@@ -169,7 +112,7 @@ impl Figure {
         let x_values = x_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let y_values = y_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let top_values = top_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
-        let description = format!("{}. {}. {}", self.title, escape(&self.subject), self.note);
+        let description = format!("{}. {}. {}", self.0.title, escape(&self.0.subject), self.0.note);
         picture((WIDTH, HEIGHT), &description, &text, |root| self.draw(root, &x_values, &y_values, &top_values))
     }
 
@@ -185,7 +128,7 @@ impl Figure {
         for &y in y_ticks {
             chart.draw_series(LineSeries::new(level(y), GRID.stroke_width(px(1.0))))?;
         }
-        for layer in &self.layers {
+        for layer in &self.0.layers {
             match layer {
                 Layer::Band { color, runs, .. } => {
                     for run in runs {
@@ -193,11 +136,11 @@ impl Figure {
                         let there = run.iter().map(|&[x, lo, _]| (self.place(x), self.place_y(lo)));
                         let back = run.iter().rev().map(|&[x, _, hi]| (self.place(x), self.place_y(hi)));
                         let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
-                        chart.draw_series([Polygon::new(polygon, color.mix(0.22))])?;
+                        chart.draw_series([Polygon::new(polygon, rgb(*color).mix(0.22))])?;
                     }
                 }
                 Layer::Line { color, width, dashed, runs, .. } => {
-                    let style = color.stroke_width(px(*width));
+                    let style = rgb(*color).stroke_width(px(*width));
                     for run in runs {
                         let run = thinned_line(run, |p| (COLUMNS * self.px_x(p.0)).floor(), |p| p.1);
                         let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
@@ -210,12 +153,12 @@ impl Figure {
                         }
                     }
                 }
-                Layer::Level { y, .. } if self.y.contains(y) => {
-                    chart.draw_series(LineSeries::new(level(*y), GREY.stroke_width(px(1.2))))?;
+                Layer::Level { y, .. } if self.0.y.contains(y) => {
+                    chart.draw_series(LineSeries::new(level(*y), rgb(GREY).stroke_width(px(1.2))))?;
                 }
                 Layer::Hint { x, .. } => {
                     let line = [self.drawn_y().start, self.drawn_y().end].map(|y| (self.place(*x), y));
-                    chart.draw_series(DashedLineSeries::new(line, 20, 40, GREY.stroke_width(px(1.0))))?;
+                    chart.draw_series(DashedLineSeries::new(line, 20, 40, rgb(GREY).stroke_width(px(1.0))))?;
                 }
                 Layer::Level { .. } => {}
             }
@@ -236,15 +179,15 @@ impl Figure {
             root.draw(&PathElement::new([at(LEFT - 5.0, y), at(LEFT, y)], thin))?;
         }
         // Where a curve leaves the frame at the top: a mark at the edge.
-        for layer in &self.layers {
+        for layer in &self.0.layers {
             if let Layer::Line { color, runs, dashed: false, .. } = layer {
                 let mut last = f64::NEG_INFINITY;
-                for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.y.end) {
+                for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.0.y.end) {
                     let (x, y) = (self.px_x(x), self.frame_top());
                     // Marks that would touch are one mark.
                     if x - last >= 9.0 {
                         let mark = vec![at(x - 4.0, y + 8.0), at(x + 4.0, y + 8.0), at(x, y + 1.0)];
-                        root.draw(&Polygon::new(mark, color))?;
+                        root.draw(&Polygon::new(mark, rgb(*color)))?;
                         last = x;
                     }
                 }
@@ -257,7 +200,7 @@ impl Figure {
     fn legend(&self, text: &mut String) {
         const Y: f64 = 94.0;
         let mut x = LEFT;
-        for layer in &self.layers {
+        for layer in &self.0.layers {
             let (name, color, height, dash) = match layer {
                 Layer::Band { name, color, .. } => (name, color, 11.0, ""),
                 Layer::Line { name, color, width, dashed, .. } => {
@@ -319,11 +262,6 @@ fn write_text(text: &mut String, x: f64, y: f64, anchor: &str, attributes: &str,
     let _ = writeln!(text, r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}" {attributes}>{content}</text>"#);
 }
 
-/// A subscript. Its size is in px: not every program that reads SVG knows per cent.
-pub(super) fn sub(content: &str) -> String {
-    format!(r#"<tspan dy="3.5" font-size="10.5">{content}</tspan><tspan dy="-3.5">&#8203;</tspan>"#)
-}
-
 /// Rough width in px of SVG text at 13 px: tags do not count, an entity counts once.
 fn width_of(svg_text: &str) -> f64 {
     let (mut width, mut hidden) = (0.0, None);
@@ -342,7 +280,12 @@ fn width_of(svg_text: &str) -> f64 {
     width
 }
 
-fn hex(color: RGBColor) -> String {
+fn rgb(color: Rgb) -> RGBColor {
+    RGBColor(color.0, color.1, color.2)
+}
+
+/// As in SVG.
+pub(super) fn hex(color: Rgb) -> String {
     format!("#{:02x}{:02x}{:02x}", color.0, color.1, color.2)
 }
 
@@ -358,7 +301,7 @@ pub(super) fn picture(
     description: &str,
     overlay: &str,
     draw: impl FnOnce(&Area<'_>) -> DrawResult,
-) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
+) -> Svg {
     let mut drawn = String::new();
     {
         let root = SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
@@ -449,12 +392,5 @@ mod tests {
         assert!(clipped_line(&[(0.0, 5.0), (1.0, 5.0)], &(0.0..1.0)).is_empty());
         let band = clipped_polygon(vec![(0.0, -1.0), (2.0, -1.0), (2.0, 3.0), (0.0, 3.0)], &(0.0..1.0));
         assert!(band.len() == 4 && band.iter().all(|p| p.1 == 0.0 || p.1 == 1.0), "{band:?}");
-    }
-
-    #[test]
-    fn a_lone_sample_is_a_step() {
-        let x = |k: f64| (k, k + 0.5, k + 1.0);
-        let runs = runs([(x(0.0), None), (x(1.0), Some(2.0)), (x(2.0), Some(f64::NAN)), (x(3.0), None)]);
-        assert_eq!(runs, [vec![(1.0, 2.0), (2.0, 2.0)]]);
     }
 }
