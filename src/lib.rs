@@ -42,6 +42,7 @@ pub mod accumulate;
 pub mod analysis;
 pub mod compute;
 pub mod control;
+pub mod display;
 mod error;
 pub mod estimate;
 mod named;
@@ -53,6 +54,7 @@ pub mod samplers;
 mod setting;
 mod sinc;
 pub mod source;
+mod statistics;
 
 pub use error::{Error, Result};
 pub use setting::Setting;

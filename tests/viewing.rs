@@ -14,9 +14,10 @@ use common::*;
 use pairwave::analysis::{self, Analysis, Plan};
 use pairwave::compute::cpu::Cpu;
 use pairwave::control::Control;
+use pairwave::display::{self, Axis, AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap, overlays};
 use pairwave::estimate::PowerSpectrum;
 use pairwave::points::{Domain, Ensemble};
-use pairwave::report::{self, Axis, AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap, overlays};
+use pairwave::report::{self, panel};
 use pairwave::request::Request;
 use pairwave::source::Source;
 
@@ -54,12 +55,12 @@ fn slanted() -> Analysis {
 type Files = BTreeMap<String, Vec<u8>>;
 
 fn files(panel: Panel, analysis: &Analysis) -> Files {
-    let svg = panel.svg(analysis).unwrap().map(String::into_bytes);
+    let svg = panel::svg(panel, analysis).unwrap().map(String::into_bytes);
     let parts = [
         ("svg", svg),
-        ("png", panel.png(analysis).unwrap()),
-        ("csv", panel.csv(analysis).unwrap()),
-        ("npy", panel.npy(analysis).unwrap()),
+        ("png", panel::png(panel, analysis).unwrap()),
+        ("csv", panel::csv(panel, analysis).unwrap()),
+        ("npy", panel::npy(panel, analysis).unwrap()),
     ];
     let named = |(end, bytes): (&str, Option<Vec<u8>>)| Some((format!("{}.{end}", panel.slug()), bytes?));
     parts.into_iter().filter_map(named).collect()
@@ -134,17 +135,17 @@ fn panels_know_what_they_hand_out() {
     ] {
         let analysis = analyze(arguments);
         for panel in Panel::ALL {
-            let made = report::Offers {
-                svg: panel.svg(&analysis).unwrap().is_some(),
-                png: panel.png(&analysis).unwrap().is_some(),
-                csv: panel.csv(&analysis).unwrap().is_some(),
-                npy: panel.npy(&analysis).unwrap().is_some(),
+            let made = panel::Offers {
+                svg: panel::svg(panel, &analysis).unwrap().is_some(),
+                png: panel::png(panel, &analysis).unwrap().is_some(),
+                csv: panel::csv(panel, &analysis).unwrap().is_some(),
+                npy: panel::npy(panel, &analysis).unwrap().is_some(),
             };
-            assert_eq!(panel.offers(&analysis), made, "{panel:?} of {arguments}");
+            assert_eq!(panel::offers(panel, &analysis), made, "{panel:?} of {arguments}");
             found.push(made);
         }
     }
-    let kinds: [fn(&report::Offers) -> bool; 4] = [|o| o.svg, |o| o.png, |o| o.csv, |o| o.npy];
+    let kinds: [fn(&panel::Offers) -> bool; 4] = [|o| o.svg, |o| o.png, |o| o.csv, |o| o.npy];
     for of in kinds {
         assert!(found.iter().any(of) && !found.iter().all(of));
     }
@@ -162,7 +163,7 @@ fn pictures_of_grids_are_well_formed_and_hold_their_picture() {
         analysis.subject = "<a> & \"b\"".into();
         for (panel, pictures) in [(Panel::Spectrum, 2), (Panel::Vector, if scene.contains("--dim 3") { 4 } else { 2 })]
         {
-            let svg = panel.svg(&analysis).unwrap().unwrap();
+            let svg = panel::svg(panel, &analysis).unwrap().unwrap();
             let document = roxmltree::Document::parse(&svg).unwrap();
             let images = || document.descendants().filter(|node| node.has_tag_name("image"));
             assert_eq!(images().count(), pictures, "{scene}: {panel:?}, colour bar included");
@@ -183,7 +184,7 @@ fn pictures_of_grids_are_well_formed_and_hold_their_picture() {
 #[test]
 fn the_points_read_back() {
     let analysis = analyze("--sampler jittered -n 64 -k 2 --stats pcf");
-    let csv = Panel::Points.csv(&analysis).unwrap().unwrap();
+    let csv = panel::csv(Panel::Points, &analysis).unwrap().unwrap();
     let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
     fs::write(file.path(), csv).unwrap();
     let sets = Source::open(&request(&file.path().display().to_string()).input).unwrap();
@@ -197,7 +198,7 @@ fn curves_are_the_estimates_in_the_units_of_their_axes() {
     let analysis = analyze(&format!("--sampler jittered -n 64 -k 5 --max-frequency 12 --bins 40 {STATS}"));
     let (g, radial) = (analysis.pair_correlation().unwrap(), analysis.radial().unwrap());
     let r = Axis::distance(&analysis, LengthUnit::PackingDistance, AxisScale::Linear);
-    let curve = Panel::Pcf.curve(&analysis, r, Axis::g(AxisScale::Linear)).unwrap();
+    let curve = Panel::Pcf.trace(&analysis, r, Axis::g(AxisScale::Linear)).unwrap();
     let unit = LengthUnit::PackingDistance.size(&analysis.domain, 64.0);
     let expected: Vec<[f64; 2]> = g.r.iter().zip(&g.g).map(|(r, &g)| [r / unit, g]).collect();
     assert_eq!(curve.line, [expected]);
@@ -210,7 +211,7 @@ fn curves_are_the_estimates_in_the_units_of_their_axes() {
     assert_eq!(curve.landmark, Some((1.0, "d_hex".into())));
 
     // Of the logarithm of 0 there is none: the line begins where g does.
-    let log = Panel::Pcf.curve(&analysis, r, Axis::g(AxisScale::Log)).unwrap();
+    let log = Panel::Pcf.trace(&analysis, r, Axis::g(AxisScale::Log)).unwrap();
     let positive = g.g.iter().filter(|g| **g > 0.0).count();
     assert!(positive < g.g.len());
     assert_eq!(log.line.iter().map(Vec::len).sum::<usize>(), positive);
@@ -218,34 +219,34 @@ fn curves_are_the_estimates_in_the_units_of_their_axes() {
     assert!(log.band.iter().flatten().flatten().all(|v| v.is_finite()));
 
     let nu = Axis::frequency(&analysis, FrequencyUnit::SqrtN, AxisScale::Log);
-    let decibel = Panel::Radial.curve(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
+    let decibel = Panel::Radial.trace(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
     for (place, ring) in decibel.line[0].iter().zip(&radial.rings) {
         let expected = [(ring.nu / 8.0).log10(), 10.0 * ring.p.log10()];
         assert!(place.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{place:?} {expected:?}");
     }
     assert_eq!(decibel.landmark, Some((0.0, "√n".into())));
-    let anisotropy = Panel::Anisotropy.curve(&analysis, nu, Axis::anisotropy()).unwrap();
+    let anisotropy = Panel::Anisotropy.trace(&analysis, nu, Axis::anisotropy()).unwrap();
     assert_eq!(anisotropy.reference, Some(radial.anisotropy_reference_db));
     let known = radial.rings.iter().filter_map(|ring| ring.anisotropy_db).collect::<Vec<_>>();
     assert_eq!(anisotropy.line.iter().flatten().map(|p| p[1]).collect::<Vec<_>>(), known);
     let [_, low, high] = anisotropy.band[0][3];
     assert!(((low + high) / 2.0 - radial.anisotropy_reference_db).abs() < 1e-12);
-    assert!([Panel::Points, Panel::Spectrum, Panel::Vector].iter().all(|p| p.curve(&analysis, nu, nu).is_none()));
+    assert!([Panel::Points, Panel::Spectrum, Panel::Vector].iter().all(|p| p.trace(&analysis, nu, nu).is_none()));
     let line = analyze("--sampler jittered -n 16 -k 2 --dim 1 --stats radial");
     let nu = Axis::frequency(&line, FrequencyUnit::Cycles, AxisScale::Linear);
-    assert_eq!(Panel::Anisotropy.curve(&line, nu, Axis::anisotropy()), None);
+    assert_eq!(Panel::Anisotropy.trace(&line, nu, Axis::anisotropy()), None);
     assert!(Panel::Anisotropy.without_curve(&line).contains("one dimension"));
-    assert!(Panel::Radial.curve(&line, nu, Axis::p(AxisScale::Linear)).is_some());
+    assert!(Panel::Radial.trace(&line, nu, Axis::p(AxisScale::Linear)).is_some());
     let list = tempfile::NamedTempFile::new().unwrap();
     fs::write(list.path(), "1,0\n2,3\n").unwrap();
     let list = analyze(&format!("--sampler random -n 50 --stats spectrum --frequencies {}", list.path().display()));
-    assert_eq!(Panel::Radial.curve(&list, nu, Axis::p(AxisScale::Linear)), None);
+    assert_eq!(Panel::Radial.trace(&list, nu, Axis::p(AxisScale::Linear)), None);
     assert!(Panel::Radial.without_curve(&list).contains("list"));
 }
 
 /// The places of a curve that are not those of its table, by the columns (x, value, error).
-fn misplaced(panel: Panel, analysis: &Analysis, columns: [&str; 3], curve: &report::Curve) -> usize {
-    let table = String::from_utf8(panel.csv(analysis).unwrap().unwrap()).unwrap();
+fn misplaced(panel: Panel, analysis: &Analysis, columns: [&str; 3], curve: &display::Trace) -> usize {
+    let table = String::from_utf8(panel::csv(panel, analysis).unwrap().unwrap()).unwrap();
     let lines: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
     let header: Vec<&str> = lines[0].split(',').collect();
     let column = |name: &str| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name} in {header:?}"));
@@ -272,7 +273,7 @@ fn curves_are_the_numbers_of_the_tables() {
         (Panel::Pcf, Axis::distance(&analysis, LengthUnit::Box, linear), ["r", "g", "g_se"]),
         (Panel::Radial, Axis::frequency(&analysis, FrequencyUnit::Cycles, linear), ["nu", "p", "p_se"]),
     ] {
-        let mut curve = panel.curve(&analysis, x, Axis::g(linear)).unwrap();
+        let mut curve = panel.trace(&analysis, x, Axis::g(linear)).unwrap();
         assert_eq!(misplaced(panel, &analysis, columns, &curve), 0, "{panel:?}");
         // Planted faults: one value, one end of a band.
         curve.line[0][3][1] *= 1.0 + 1e-6;
@@ -286,7 +287,7 @@ fn rounding_does_not_set_the_range_of_decibels() {
     // A lattice: P is 0 at all but its peaks, in floating point about 1e-30.
     let analysis = analyze("--sampler grid -n 64 --stats radial --max-frequency 20");
     let nu = Axis::frequency(&analysis, FrequencyUnit::Cycles, AxisScale::Linear);
-    let curve = Panel::Radial.curve(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
+    let curve = Panel::Radial.trace(&analysis, nu, Axis::p(AxisScale::Decibel)).unwrap();
     let [low, high] = curve.frame.y;
     assert!((-125.0..0.0).contains(&low) && high > 0.0 && high < 40.0, "{low} to {high}");
 }
@@ -303,12 +304,12 @@ fn panels_say_what_they_need_and_mean() {
         let stats: Vec<_> = panel.statistics().iter().map(|s| s.name()).collect();
         let stats = if stats.is_empty() { "neighbors".into() } else { stats.join(",") };
         let analysis = analyze(&format!("--sampler jittered -n 16 --stats {stats}"));
-        assert!(panel.svg(&analysis).unwrap().is_some(), "{panel:?} with {stats}");
+        assert!(panel::svg(panel, &analysis).unwrap().is_some(), "{panel:?} with {stats}");
         for other in Panel::ALL.into_iter().filter(|p| *p != Panel::Points) {
             let covered = other.statistics().iter().all(|s| panel.statistics().contains(s));
             // P on the grid brings its rings.
             let covered = covered || panel == Panel::Spectrum && other.statistics() == Panel::Radial.statistics();
-            assert_eq!(other.svg(&analysis).unwrap().is_some(), covered, "{other:?} with {stats}");
+            assert_eq!(panel::svg(other, &analysis).unwrap().is_some(), covered, "{other:?} with {stats}");
         }
     }
     slugs.sort_unstable();
@@ -322,14 +323,14 @@ fn what_is_read_out_is_the_estimate() {
     let (g, rings) = (a.pair_correlation().unwrap(), &a.radial().unwrap().rings);
     for b in 0..g.g.len() {
         for r in [g.r_lo[b], g.r[b], 0.5 * (g.r[b] + g.r_hi[b])] {
-            let at = report::bin_at(&a, r).unwrap();
+            let at = display::bin_at(&a, r).unwrap();
             let found = (at.index, at.r_lo, at.r, at.r_hi, at.count, at.g, at.se);
             assert_eq!(found, (b, g.r_lo[b], g.r[b], g.r_hi[b], g.count[b], g.g[b], g.g_se[b]));
             assert_eq!(at.theory, a.closed_form.g.as_ref().map(|theory| theory[b]));
         }
     }
     for (k, ring) in rings.iter().enumerate() {
-        let at = report::ring_at(&a, ring.nu).unwrap();
+        let at = display::ring_at(&a, ring.nu).unwrap();
         assert_eq!((at.index, at.p, at.se, at.modes), (k, ring.p, ring.p_se, ring.modes));
         assert_eq!((at.anisotropy_db, at.anisotropy_db_se), (ring.anisotropy_db, ring.anisotropy_db_se));
         assert_eq!(at.theory, a.closed_form.radial.as_ref().map(|theory| theory[k]));
@@ -337,41 +338,41 @@ fn what_is_read_out_is_the_estimate() {
     let spectrum = a.spectrum().unwrap();
     let grid = spectrum.waves.grid().unwrap();
     for (m0, m1) in [(3, -2), (-7, 1), (0, 5), (-40, 40)] {
-        let at = report::spectrum_at(&a, [f64::from(m0) + 0.4, f64::from(m1) - 0.4]).unwrap();
+        let at = display::spectrum_at(&a, [f64::from(m0) + 0.4, f64::from(m1) - 0.4]).unwrap();
         let index = grid.half_index([m0, m1, 0]);
         assert_eq!((at.m, at.p, at.se), ([m0, m1, 0], spectrum.p[index], Some(spectrum.p_se[index])));
     }
-    assert_eq!(report::spectrum_at(&a, [0.2, -0.3]).unwrap().se, None);
+    assert_eq!(display::spectrum_at(&a, [0.2, -0.3]).unwrap().se, None);
     let vector = a.vector().unwrap();
     for cell in [0, 77, 2000, vector.g.len() - 1] {
         let lag = [vector.grid.centre(cell, 0), vector.grid.centre(cell, 1)];
-        let at = report::vector_at(&a, lag, 0).unwrap();
+        let at = display::vector_at(&a, lag, 0).unwrap();
         assert_eq!((at.lag, at.g, at.se), (lag, vector.g[cell], vector.g_se[cell]));
     }
     // Outside there is nothing.
-    assert_eq!(report::bin_at(&a, -1e-9).or(report::bin_at(&a, *g.r_hi.last().unwrap())).map(|b| b.index), None);
-    assert_eq!(report::ring_at(&a, 0.0).or(report::ring_at(&a, 1e9)).map(|r| r.index), None);
-    assert_eq!(report::spectrum_at(&a, [41.0, 0.0]).or(report::spectrum_at(&a, [f64::NAN, 0.0])).map(|m| m.m), None);
-    assert_eq!(report::vector_at(&a, [0.5, 0.0], 0).or(report::vector_at(&a, [0.0, 0.0], 1)).map(|l| l.lag), None);
+    assert_eq!(display::bin_at(&a, -1e-9).or(display::bin_at(&a, *g.r_hi.last().unwrap())).map(|b| b.index), None);
+    assert_eq!(display::ring_at(&a, 0.0).or(display::ring_at(&a, 1e9)).map(|r| r.index), None);
+    assert_eq!(display::spectrum_at(&a, [41.0, 0.0]).or(display::spectrum_at(&a, [f64::NAN, 0.0])).map(|m| m.m), None);
+    assert_eq!(display::vector_at(&a, [0.5, 0.0], 0).or(display::vector_at(&a, [0.0, 0.0], 1)).map(|l| l.lag), None);
 }
 
 #[test]
 fn texts_state_value_error_and_unit() {
     let a = analyze(&format!("--sampler jittered -n 64 -k 4 {STATS} --bins 20"));
     let linear = AxisScale::Linear;
-    let bin = report::bin_at(&a, 0.1).unwrap();
+    let bin = display::bin_at(&a, 0.1).unwrap();
     let text = bin.text(Axis::distance(&a, LengthUnit::PackingDistance, linear));
     assert!(text.starts_with("r / d_hex = ") && text.contains("g = ") && text.contains(" ± "), "{text}");
     let shown: f64 = text.split(' ').nth(4).unwrap().parse().unwrap();
     assert!((shown / (bin.r / a.domain.closest_packing_distance(64.0)) - 1.0).abs() < 1e-3, "{text}");
     assert!(bin.text(Axis::distance(&a, LengthUnit::Box, linear)).contains("length units"), "the unit of r");
-    let ring = report::ring_at(&a, 12.0).unwrap().text(Axis::frequency(&a, FrequencyUnit::SqrtN, linear));
+    let ring = display::ring_at(&a, 12.0).unwrap().text(Axis::frequency(&a, FrequencyUnit::SqrtN, linear));
     assert!(ring.starts_with("ν / √n = 1.5,") && ring.contains("closed form") && ring.contains(" dB"), "{ring}");
-    let ring = report::ring_at(&a, 12.0).unwrap().text(Axis::frequency(&a, FrequencyUnit::Cycles, linear));
+    let ring = display::ring_at(&a, 12.0).unwrap().text(Axis::frequency(&a, FrequencyUnit::Cycles, linear));
     assert!(ring.starts_with("ν = 12 cycles per unit length,"), "{ring}");
-    let mode = report::spectrum_at(&a, [-3.0, 4.0]).unwrap().text();
+    let mode = display::spectrum_at(&a, [-3.0, 4.0]).unwrap().text();
     assert!(mode.starts_with("m = (−3, 4), |ν| = 5 cycles per unit length, P = ") && mode.contains(" ± "), "{mode}");
-    let lag = report::vector_at(&a, [0.1, -0.2], 0).unwrap().text();
+    let lag = display::vector_at(&a, [0.1, -0.2], 0).unwrap().text();
     assert!(lag.starts_with("(h_x, h_y) = (0.1016, −0.1953)") && lag.contains("length units, g = "), "{lag}");
 }
 
@@ -401,7 +402,7 @@ fn axes_name_their_unit_and_are_in_it() {
 }
 
 /// The colour at a place, in units of the picture.
-fn color_at(pixels: &report::Pixels, place: [f64; 2]) -> [u8; 3] {
+fn color_at(pixels: &display::Pixels, place: [f64; 2]) -> [u8; 3] {
     let part = |axis: usize| {
         let [low, high] = pixels.extent[axis];
         (place[axis] - low) / (high - low)
@@ -417,7 +418,7 @@ fn pictures_have_their_peaks_in_place_and_y_upward() {
     let a = slanted();
     for map in ColorMap::SEQUENTIAL {
         for tones in ToneMap::ALL {
-            let pixels = report::spectrum_pixels(&a, tones, None, map, 2048).unwrap();
+            let pixels = display::spectrum_pixels(&a, tones, None, map, 2048).unwrap();
             assert_eq!((pixels.width, pixels.height, pixels.rgb.len()), (19, 19, 3 * 19 * 19));
             assert_eq!(pixels.extent, [[-9.5, 9.5]; 2]);
             for m0 in -9..=9 {
@@ -434,15 +435,15 @@ fn pictures_have_their_peaks_in_place_and_y_upward() {
         }
     }
     for map in ColorMap::DIVERGING {
-        let pixels = report::vector_pixels(&a, None, map, 0, 2048).unwrap();
+        let pixels = display::vector_pixels(&a, None, map, 0, 2048).unwrap();
         assert_eq!((pixels.width, pixels.extent), (16, [[-0.5, 0.5]; 2]));
         assert_eq!(color_at(&pixels, [1.5 / 16.0, 3.5 / 16.0]), map.color(1.0), "a lag of the lattice");
         assert_eq!(color_at(&pixels, [1.5 / 16.0, -2.5 / 16.0]), map.color(0.0), "none");
         // 1 is in the middle, and no g is below 0.
-        let ticks = report::vector_ticks(&a, Some(2.0)).unwrap();
+        let ticks = display::vector_ticks(&a, Some(2.0)).unwrap();
         assert!(ticks.contains(&(0.5, "1.0".into())) && ticks[0] == (0.25, "0".into()), "{ticks:?}");
     }
-    assert!(report::vector_pixels(&a, None, ColorMap::BlueRed, 1, 2048).is_none(), "one plane in 2D");
+    assert!(display::vector_pixels(&a, None, ColorMap::BlueRed, 1, 2048).is_none(), "one plane in 2D");
 }
 
 #[test]
@@ -455,7 +456,7 @@ fn pictures_with_little_room_keep_peaks_and_means() {
     spectrum.p.fill(0.5);
     spectrum.p[grid.half_index([7, 12, 0])] = 60.0;
     // 41 modes in 14 pixels of 3; the peak and its mirror image, DC, and means.
-    let pixels = report::spectrum_pixels(&a, ToneMap::Reinhard, Some(100.0), ColorMap::Viridis, 16).unwrap();
+    let pixels = display::spectrum_pixels(&a, ToneMap::Reinhard, Some(100.0), ColorMap::Viridis, 16).unwrap();
     assert_eq!((pixels.width, pixels.height, pixels.extent), (14, 14, [[-20.5, 21.5]; 2]));
     let tone = |p| ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 100.0));
     for (at, expected) in
@@ -466,7 +467,7 @@ fn pictures_with_little_room_keep_peaks_and_means() {
     let count = pixels.rgb.chunks(3).filter(|pixel| *pixel == tone(60.0)).count();
     assert_eq!(count, 2, "one pixel each");
     // 15 cells in 5 pixels of 3, which are means.
-    let pixels = report::vector_pixels(&a, Some(1.0), ColorMap::BlueRed, 0, 7).unwrap();
+    let pixels = display::vector_pixels(&a, Some(1.0), ColorMap::BlueRed, 0, 7).unwrap();
     let vector = a.vector().unwrap();
     assert_eq!((pixels.width, pixels.height), (5, 5));
     assert!(pixels.extent.iter().flatten().all(|end| (end.abs() - 0.3).abs() < 1e-12), "{:?}", pixels.extent);
@@ -479,19 +480,19 @@ fn pictures_with_little_room_keep_peaks_and_means() {
 #[test]
 fn pictures_of_space_are_slices() {
     let a = analyze(&format!("--sampler random --dim 3 -n 40 {STATS} --max-frequency 3 --lag-bins 6"));
-    let pixels = report::spectrum_pixels(&a, ToneMap::Reinhard, None, ColorMap::Viridis, 2048).unwrap();
+    let pixels = display::spectrum_pixels(&a, ToneMap::Reinhard, None, ColorMap::Viridis, 2048).unwrap();
     let p = a.spectrum().unwrap().at([2, -1, 0]).unwrap();
     assert_eq!(color_at(&pixels, [2.0, -1.0]), ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 40.0)));
     let vector = a.vector().unwrap();
     let strides = vector.grid.strides();
     for (plane, [right, up]) in overlays::planes(3).iter().enumerate() {
-        let pixels = report::vector_pixels(&a, Some(0.7), ColorMap::BlueRed, plane, 2048).unwrap();
+        let pixels = display::vector_pixels(&a, Some(0.7), ColorMap::BlueRed, plane, 2048).unwrap();
         assert_eq!(pixels.axes, [*right, *up]);
         let cell = strides[*right] + 4 * strides[*up] + 2 * strides[3 - right - up];
         let (one, two) = (cell, cell + strides[3 - right - up]);
         let g = 0.5 * (vector.g[one] + vector.g[two]);
         let lag = [vector.grid.centre(one, *right), vector.grid.centre(one, *up)];
-        let at = report::vector_at(&a, lag, plane).unwrap();
+        let at = display::vector_at(&a, lag, plane).unwrap();
         assert_eq!((at.g, at.axes), (g, [*right, *up]));
         assert!(at.se <= 0.5 * (vector.g_se[one] + vector.g_se[two]));
         assert_eq!(color_at(&pixels, lag), ColorMap::BlueRed.color((g - 0.3) / 1.4));

@@ -5,6 +5,7 @@ mod classes;
 mod envelope;
 mod measure;
 mod plan;
+mod progress;
 mod running;
 mod sums;
 

@@ -4,7 +4,7 @@ use super::Analysis;
 use super::confidence::{Band, Realizations};
 use super::{ErrorSource, ratio_standard_error};
 use crate::accumulate::{PowerMoments, WavePower};
-use crate::plan::{WavePlan, WaveVectors};
+use crate::plan::{WaveGrid, WavePlan, WaveVectors};
 
 /// `P(m) = sum_k |s_m|^2 / sum_k N` over realizations k with norm `N = sum_j w_j^2` (n where every point weighs 1): a ratio
 /// of sums, which is the mean of the realizations' periodograms where N is the same for all. DC is part of the grid and of
@@ -106,5 +106,16 @@ impl Analysis {
     /// P on the grid or at a list of wave vectors.
     pub fn spectrum(&self) -> Option<&PowerSpectrum> {
         self.get()
+    }
+
+    /// P on the grid, and the grid, where it was asked for.
+    pub fn grid_of_power(&self) -> Option<(&PowerSpectrum, &WaveGrid)> {
+        let spectrum = self.spectrum().filter(|_| self.grid_wanted)?;
+        Some((spectrum, spectrum.waves.grid()?))
+    }
+
+    /// P at a list of wave vectors.
+    pub fn listed_power(&self) -> Option<&PowerSpectrum> {
+        self.spectrum().filter(|s| self.grid_wanted && s.waves.grid().is_none())
     }
 }

@@ -5,15 +5,12 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use plotters::prelude::*;
 
-use super::color_map::ColorMap;
-use super::figure::{WIDTH, fine, frame, heading, label, picture, thin, ticks};
-use super::panel::spectrum_image;
-use super::pixels::{Pixels, spectrum_pixels, vector_pixels, vector_ticks};
-use super::plots::{Svg, size};
-use super::spectrum_image::{encode, tone_text};
-use super::text::escape;
-use super::tone_map::ToneMap;
-use crate::analysis::Analysis;
+use super::png;
+use super::svg::{WIDTH, fine, frame, heading, label, picture, thin};
+use crate::display::{ColorMap, Pixels, ToneMap, escape, size, spectrum_pixels, ticks, vector_pixels, vector_ticks};
+use crate::estimate::Analysis;
+use crate::statistics::Svg;
+use crate::statistics::waves::{spectrum_image, tone_text};
 
 const TOP: f64 = 92.0;
 const LEFT: f64 = 84.0;
@@ -39,16 +36,16 @@ struct Inset {
 
 /// `spectrum.png` with axes in cycles per unit length.
 pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
-    let image = match spectrum_image(analysis) {
-        Ok(image) => image?,
-        Err(e) => return Some(Err(e.into())),
-    };
+    let image = spectrum_image(analysis)?;
     let Pixels { extent, axes, .. } =
         spectrum_pixels(analysis, ToneMap::Reinhard, None, ColorMap::Viridis, usize::MAX)?;
     let labels = axes.map(|axis| format!("ν_{} (cycles per unit length)", ["x", "y", "z"][axis]));
-    let caption = format!("P(m): {}. Tone map: {}.", image.caption, tone_text());
-    let insets = [Inset { png: image.png, extent, labels }];
-    Some(svg("Power spectrum P(m)", analysis, &caption, &insets, ColorMap::Viridis, "P", &image.ticks))
+    let caption = format!("P(m): {}. Tone map: {}.", image.seen, tone_text());
+    let ticks = ToneMap::Reinhard.ticks(analysis.shape.mean_points);
+    Some(png::image(&image).map_err(Into::into).and_then(|png| {
+        let insets = [Inset { png, extent, labels }];
+        svg("Power spectrum P(m)", analysis, &caption, &insets, ColorMap::Viridis, "P", &ticks)
+    }))
 }
 
 /// g on each plane of lags, with axes in length units.
@@ -57,7 +54,12 @@ pub(super) fn vector(analysis: &Analysis) -> Option<Svg> {
     let mut insets = Vec::new();
     for pixels in (0..).map_while(|plane| vector_pixels(analysis, None, ColorMap::BlueRed, plane, usize::MAX)) {
         let labels = pixels.axes.map(|axis| format!("h_{} (length units)", ["x", "y", "z"][axis]));
-        match encode(&pixels.rgb, [pixels.width as u32, pixels.height as u32], "g(h)", "one pixel per cell of lags") {
+        match png::encode(
+            &pixels.rgb,
+            [pixels.width as u32, pixels.height as u32],
+            "g(h)",
+            "one pixel per cell of lags",
+        ) {
             Ok(png) => insets.push(Inset { png, extent: pixels.extent, labels }),
             Err(e) => return Some(Err(e.into())),
         }
@@ -119,7 +121,7 @@ fn svg(
     }
     let (bar_left, bar_width) = (left - GAP + BAR_GAP, BAR_WIDTH);
     let stops: Vec<u8> = (0..256).rev().flat_map(|k| colors.color(f64::from(k) / 255.0)).collect();
-    embed(&mut overlay, &encode(&stops, [1, 256], "Colours", quantity)?, [bar_left, TOP, bar_width, bar_height]);
+    embed(&mut overlay, &png::encode(&stops, [1, 256], "Colours", quantity)?, [bar_left, TOP, bar_width, bar_height]);
     frames.push(((bar_left, TOP), (bar_left + bar_width, TOP + bar_height)));
     for (at, text) in bar {
         let y = TOP + (1.0 - at) * bar_height;

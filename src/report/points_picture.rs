@@ -4,12 +4,27 @@ use std::fmt::Write as _;
 
 use plotters::prelude::*;
 
-use super::figure::{BLUE, WIDTH, fine, frame, heading, label, picture, thin, ticks};
-use super::text::human;
-use crate::analysis::Analysis;
+use super::svg::{WIDTH, fine, frame, heading, hex, label, picture, thin};
+use crate::display::figure::BLUE;
+use crate::display::{escape, human, ticks};
+use crate::estimate::Analysis;
+use crate::statistics::{Make, Output, Place, Section, Svg, Turn};
+
+/// The points in a report.
+pub(super) struct Shown;
+
+impl Section for Shown {
+    fn outputs(&self) -> &'static [Output] {
+        const {
+            let caption = |a: &Analysis, _: &str| Some(format!("The {}.", escape(&caption(a))));
+            let place = Some(Place { heading: "Points", caption });
+            &[Output { name: "points.svg", turn: Turn::Points, make: Make::Svg(svg), place }]
+        }
+    }
+}
 
 /// More points than this are a grey haze and a slow page: about as many stand for all.
-pub(super) const MAX_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 /// Longest side of the frame in px.
 const SIDE: f64 = 732.0;
@@ -31,7 +46,7 @@ fn shown(n: usize) -> impl Iterator<Item = usize> {
 }
 
 /// What the picture shows, in words.
-pub(super) fn caption(analysis: &Analysis) -> String {
+fn caption(analysis: &Analysis) -> String {
     let n = if analysis.first.realizations() > 0 { analysis.first.points_in(0) } else { 0 };
     let mut caption = if n > MAX_POINTS {
         format!("first realization, {} of its {n} points chosen at random", shown(n).count())
@@ -52,7 +67,7 @@ fn labels(range: &std::ops::Range<f64>, length: f64) -> Vec<(f64, String)> {
 }
 
 /// The picture.
-pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
+fn svg(analysis: &Analysis) -> Svg {
     let domain = &analysis.domain;
     let (side_x, side_y) = (domain.sides()[0], domain.sides().get(1).copied());
     let longest = side_x.max(side_y.unwrap_or(0.0));
@@ -86,7 +101,7 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
     let mut overlay = heading("Points", &analysis.subject, &caption(analysis));
     let stroke = if side_y.is_some() { 2.0 * radius } else { (0.5 * width / shown.max(1) as f64).clamp(0.3, 1.5) };
     let cap = if side_y.is_some() { "round" } else { "butt" };
-    let color = format!("#{:02x}{:02x}{:02x}", BLUE.0, BLUE.1, BLUE.2);
+    let color = hex(BLUE);
     if shown > 0 {
         let _ = writeln!(
             overlay,
@@ -114,7 +129,7 @@ pub(super) fn svg(analysis: &Analysis) -> Result<String, Box<dyn std::error::Err
         overlay.push_str("</g>\n");
     }
     let description = format!("Points. {}. {}, n = {}", analysis.subject, caption(analysis), human(n as f64));
-    picture((WIDTH, canvas_height), &super::text::escape(&description), &overlay, |root| {
+    picture((WIDTH, canvas_height), &escape(&description), &overlay, |root| {
         root.draw(&frame((left, TOP), (left + width, TOP + height)))?;
         for mark in marks {
             root.draw(&PathElement::new(mark.map(|(x, y)| (fine(x), fine(y))), thin()))?;

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
-use pairwave::report::Panel;
+use pairwave::display::Panel;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::view::View;
 

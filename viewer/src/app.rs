@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use eframe::egui;
-use pairwave::report::Panel;
+use pairwave::display::Panel;
 use pairwave::request::Request;
 
 use crate::controls::Controls;

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::egui;
 use pairwave::analysis::Analysis;
-use pairwave::report::{Offers, Panel};
+use pairwave::display::Panel;
+use pairwave::report::panel::{self, Offers};
 use pairwave::request::Request;
 
 use crate::app::Viewer;
@@ -58,7 +59,7 @@ impl Exports {
 
     fn entries(&mut self, ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) {
         let analysis = set.analysis();
-        let offers = analysis.map(|analysis| panel.offers(analysis));
+        let offers = analysis.map(|analysis| panel::offers(panel, analysis));
         heading(ui, panel, set, count);
         ui.separator();
         let mut entry = |ui: &mut egui::Ui, take: Take| {
@@ -208,10 +209,10 @@ fn encode(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
 /// The bytes of a file of the report.
 fn file(panel: Panel, take: Take, analysis: &Analysis) -> pairwave::Result<Option<Vec<u8>>> {
     match take {
-        Take::Svg => Ok(panel.svg(analysis)?.map(String::into_bytes)),
-        Take::Png => panel.png(analysis),
-        Take::Csv => panel.csv(analysis),
-        Take::Npy => panel.npy(analysis),
+        Take::Svg => Ok(panel::svg(panel, analysis)?.map(String::into_bytes)),
+        Take::Png => panel::png(panel, analysis),
+        Take::Csv => panel::csv(panel, analysis),
+        Take::Npy => panel::npy(panel, analysis),
         Take::CopyPicture | Take::Shown | Take::Command => Ok(None),
     }
 }

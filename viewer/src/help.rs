@@ -2,7 +2,7 @@
 
 use eframe::egui;
 use egui::{Key, KeyboardShortcut, Modifiers};
-use pairwave::report::Panel;
+use pairwave::display::Panel;
 
 use crate::app::Viewer;
 use crate::files::Choice;

@@ -1,6 +1,6 @@
 //! What is under the pointer, for every panel to mark.
 
-use pairwave::report::Panel;
+use pairwave::display::Panel;
 
 use crate::engine::SetId;
 

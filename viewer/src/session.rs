@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use eframe::egui;
-use pairwave::report::ToneMap;
+use pairwave::display::ToneMap;
 use pairwave::request::Request;
 use pairwave::source::Source;
 use serde::{Deserialize, Serialize};

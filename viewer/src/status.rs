@@ -1,7 +1,7 @@
 //! The line at the bottom: what computes, how far it is, and what was spared.
 
 use eframe::egui;
-use pairwave::report::Panel;
+use pairwave::display::Panel;
 
 use crate::app::Viewer;
 use crate::engine::Snapshot;

@@ -1,9 +1,9 @@
 //! How things are shown: nothing here is ever measured anew.
 
-use pairwave::report::ColorMap;
-use pairwave::report::Panel;
-use pairwave::report::ToneMap;
-use pairwave::report::{AxisScale, FrequencyUnit, LengthUnit};
+use pairwave::display::ColorMap;
+use pairwave::display::Panel;
+use pairwave::display::ToneMap;
+use pairwave::display::{AxisScale, FrequencyUnit, LengthUnit};
 use serde::{Deserialize, Serialize};
 
 /// Everything about the looks.

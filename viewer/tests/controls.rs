@@ -8,7 +8,7 @@ use common::{Window, request, settle, viewer};
 use eframe::egui::{self, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use pairwave::report::{Panel, ToneMap};
+use pairwave::display::{Panel, ToneMap};
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::view::View;
 

@@ -6,7 +6,7 @@ mod common;
 use common::{Window, settle, viewer};
 use eframe::egui;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
-use pairwave::report::Panel;
+use pairwave::display::Panel;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::view::{Theme, View};
 

@@ -1,7 +1,7 @@
 //! How things are shown: nothing here is measured anew, but for panels that were hidden.
 
 use eframe::egui;
-use pairwave::report::{AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap};
+use pairwave::display::{AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap};
 
 use super::{choice, row};
 use crate::app::Viewer;

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui;
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
-use pairwave::report::{Axis, Frame, Panel};
+use pairwave::display::{Axis, Frame, Panel};
 
 /// Panels of which a person has chosen what is seen.
 #[derive(Default)]

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use eframe::egui;
 use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotPoints, PlotUi, Points, Text, VLine};
 use pairwave::analysis::Analysis;
-use pairwave::report::{Axis, Curve, Frame, Panel, bin_at, ring_at};
+use pairwave::display::{Axis, Frame, Panel, Trace, bin_at, ring_at, thinned_band, thinned_line};
 
 use super::chart::{Chart, Zoomed};
 use super::{Scene, said_instead};
@@ -26,17 +26,17 @@ pub(crate) struct Curves {
 /// The curve of a snapshot along two axes, ready to be drawn.
 struct Kept {
     of: (u64, Axis, Axis),
-    curve: Curve,
+    trace: Trace,
     line: Vec<Vec<PlotPoint>>,
     closed_form: Vec<Vec<PlotPoint>>,
 }
 
 impl Kept {
-    fn new(of: (u64, Axis, Axis), curve: Curve) -> Self {
+    fn new(of: (u64, Axis, Axis), trace: Trace) -> Self {
         let points = |pieces: &[Vec<[f64; 2]>]| {
             pieces.iter().map(|piece| piece.iter().map(|p| PlotPoint::from(*p)).collect()).collect()
         };
-        Self { of, line: points(&curve.line), closed_form: points(&curve.closed_form), curve }
+        Self { of, line: points(&trace.line), closed_form: points(&trace.closed_form), trace }
     }
 }
 
@@ -65,32 +65,15 @@ impl Seen {
         if seen.len() <= 4 * self.columns {
             return PlotPoints::Borrowed(seen);
         }
-        let mut points = Vec::with_capacity(4 * self.columns + 8);
-        for column in seen.chunk_by(|a, b| self.column(a.x) == self.column(b.x)) {
-            let by_y = |a: &&PlotPoint, b: &&PlotPoint| a.y.total_cmp(&b.y);
-            let mut four = [column.first(), column.iter().min_by(by_y), column.iter().max_by(by_y), column.last()];
-            four.sort_by(|a, b| a.map_or(0.0, |p| p.x).total_cmp(&b.map_or(0.0, |p| p.x)));
-            points.extend(four.into_iter().flatten());
-        }
-        PlotPoints::Owned(points)
+        PlotPoints::Owned(thinned_line(seen, |p| self.column(p.x), |p| p.y))
     }
 
     /// The same of a band, whose columns are as high as their highest.
     fn band(&self, all: &[[f64; 3]]) -> [Vec<f64>; 3] {
         let seen = self.of(all, |p| p[0]);
-        let mut band = [const { Vec::new() }; 3];
-        let mut push = |part: [f64; 3]| band.iter_mut().zip(part).for_each(|(column, value)| column.push(value));
-        if seen.len() <= 4 * self.columns {
-            seen.iter().copied().for_each(push);
-            return band;
-        }
-        for column in seen.chunk_by(|a, b| self.column(a[0]) == self.column(b[0])) {
-            let ends = column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], p| [l.min(p[1]), h.max(p[2])]);
-            for at in column.first().into_iter().chain(column.last()) {
-                push([at[0], ends[0], ends[1]]);
-            }
-        }
-        band
+        let few = seen.len() <= 4 * self.columns;
+        let kept = if few { seen.to_vec() } else { thinned_band(seen, |x| self.column(x)) };
+        [0, 1, 2].map(|column| kept.iter().map(|part| part[column]).collect())
     }
 }
 
@@ -105,7 +88,7 @@ impl Curves {
             return;
         };
         let cut = legend(ui, panel, scene, x, y);
-        let frames = drawn.iter().filter_map(|&s| self.kept.get(&(panel, scene.sets[s].id))).map(|k| k.curve.frame);
+        let frames = drawn.iter().filter_map(|&s| self.kept.get(&(panel, scene.sets[s].id))).map(|k| k.trace.frame);
         let Some(wanted) = frames.reduce(Frame::union) else { return };
         // While realizations come in curves stand still; in the end what is seen does not depend on how they came.
         let done = drawn.iter().all(|&s| scene.sets[s].snapshot.as_ref().is_some_and(|s| s.done));
@@ -133,8 +116,8 @@ impl Curves {
             let (x, y) = axes(panel, analysis, scene.view);
             let of = (snapshot.generation, x, y);
             if self.kept.get(&key).is_none_or(|kept| kept.of != of) {
-                match panel.curve(analysis, x, y) {
-                    Some(curve) => _ = self.kept.insert(key, Kept::new(of, curve)),
+                match panel.trace(analysis, x, y) {
+                    Some(trace) => _ = self.kept.insert(key, Kept::new(of, trace)),
                     None => _ = self.kept.remove(&key),
                 }
             }
@@ -214,7 +197,7 @@ fn draw<'a>(
     [ink, weak]: [egui::Color32; 2],
     roomy: bool,
 ) {
-    if let Some((at, symbol)) = curves.last().and_then(|(kept, _)| kept.curve.landmark.as_ref()) {
+    if let Some((at, symbol)) = curves.last().and_then(|(kept, _)| kept.trace.landmark.as_ref()) {
         let line = VLine::new("landmark", *at).color(weak.gamma_multiply(0.6)).width(1.0).allow_hover(false);
         plot.vline(line.style(LineStyle::dotted_loose()));
         if roomy {
@@ -224,13 +207,13 @@ fn draw<'a>(
         }
     }
     for (kept, _) in curves {
-        if let Some(reference) = kept.curve.reference {
+        if let Some(reference) = kept.trace.reference {
             let line = HLine::new("reference", reference).color(weak.gamma_multiply(0.8)).width(1.0);
             plot.hline(line.style(LineStyle::dotted_dense()).allow_hover(false));
         }
     }
     for (kept, color) in curves.iter().filter(|_| view.bands) {
-        for piece in &kept.curve.band {
+        for piece in &kept.trace.band {
             let [xs, low, high] = seen.band(piece);
             let area = FilledArea::new("band", &xs, &low, &high).fill_color(color.gamma_multiply(0.25));
             plot.add(area.allow_hover(false));

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use eframe::egui;
 use egui_plot::{HLine, Line, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 use pairwave::analysis::Analysis;
-use pairwave::report::{
+use pairwave::display::{
     Axis, ColorMap, Frame, Panel, Pixels, ToneMap, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
     vector_reach, vector_ticks,
 };
@@ -112,11 +112,7 @@ impl Images {
 
     /// Brings up to date what is kept. The sets whose pictures are shown.
     fn prepare(&mut self, ctx: &egui::Context, panel: Panel, scene: &Scene<'_>, room: f32) -> Vec<usize> {
-        let has = |set: &Set| match (panel, set.analysis()) {
-            (_, None) => false,
-            (Panel::Spectrum, Some(a)) => a.grid_wanted && a.domain.dim() > 1 && a.spectrum().is_some(),
-            (_, Some(a)) => a.vector().is_some() && a.domain.dim() > 1,
-        };
+        let has = |set: &Set| set.analysis().is_some_and(|analysis| panel.has(analysis));
         let of_all = (0..scene.sets.len()).filter(|&s| scene.sets[s].visible && has(&scene.sets[s]));
         let mut shown: Vec<usize> = of_all.collect();
         if !scene.view.side_by_side {

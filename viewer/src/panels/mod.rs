@@ -6,7 +6,7 @@ mod images;
 mod points;
 
 use eframe::egui;
-use pairwave::report::{Panel, overlays};
+use pairwave::display::{Panel, overlays};
 
 use crate::colors;
 use crate::export::Exports;

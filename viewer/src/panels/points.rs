@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use eframe::egui;
 use pairwave::analysis::Analysis;
 use pairwave::control::Control;
+use pairwave::display::{Axis, Frame, Panel, overlays};
 use pairwave::points::Boundary;
-use pairwave::report::{Axis, Frame, Panel, overlays};
 use pairwave::request::PointsRequest;
 
 use super::chart::{Chart, Shown, Zoomed};

@@ -1,0 +1,35 @@
+//! What a window and a page both show, and no files: panels and what is drawn in them, units, ranges, ticks, colours and words.
+
+mod color_map;
+mod decimate;
+pub(crate) mod figure;
+mod lag_slices;
+pub mod overlays;
+mod panel;
+mod pixels;
+mod ranges;
+mod readout;
+mod samples;
+mod text;
+mod ticks;
+mod tone_map;
+mod trace;
+mod units;
+mod words;
+
+pub use color_map::ColorMap;
+pub(crate) use color_map::{diverging, sequential};
+pub use decimate::{thinned_band, thinned_line};
+pub(crate) use lag_slices::{QUANTILE, panels, range, slice};
+pub use panel::Panel;
+pub(crate) use pixels::{DC, middle, peak};
+pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_reach, vector_ticks};
+pub(crate) use ranges::{about_one, decades, defined_anisotropy, extent, top_of};
+pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
+pub(crate) use samples::{Interval, Samples};
+pub(crate) use text::{escape, human, shortened, with_error};
+pub(crate) use ticks::{log_ticks, ticks};
+pub use tone_map::ToneMap;
+pub use trace::{Drawn, Frame, Trace};
+pub use units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
+pub(crate) use words::{error_note, kernel_name, packing_symbol, size};

@@ -1,0 +1,42 @@
+//! What is said in the same words wherever it is shown.
+
+use super::human;
+use crate::estimate::{Analysis, ErrorSource};
+use crate::plan::SmoothingKernel;
+
+/// `n = 1024, K = 20`.
+pub(crate) fn size(analysis: &Analysis) -> String {
+    let shape = &analysis.shape;
+    let n = if analysis.min_points == shape.max_points {
+        shape.max_points.to_string()
+    } else {
+        format!("{}–{} (mean {})", analysis.min_points, shape.max_points, human(shape.mean_points))
+    };
+    format!("n = {n}, K = {}", shape.realizations)
+}
+
+/// What a band around an estimate shows; `theory` names the theory used for K = 1.
+pub(crate) fn error_note(source: ErrorSource, theory: &str) -> String {
+    match source {
+        ErrorSource::AcrossRealizations => "band: ±1 standard error across realizations".into(),
+        ErrorSource::Theory => format!("band: ±1 standard error from theory ({theory})"),
+    }
+}
+
+/// How the kernel estimate is called.
+pub(crate) fn kernel_name(shape: SmoothingKernel) -> &'static str {
+    match shape {
+        SmoothingKernel::Epanechnikov => "Epanechnikov",
+        SmoothingKernel::Gaussian => "Gaussian",
+        SmoothingKernel::Box => "box",
+    }
+}
+
+/// The symbol of the closest-packing distance, as HTML/SVG-neutral (base, subscript).
+pub(crate) fn packing_symbol(dim: usize) -> (&'static str, &'static str) {
+    match dim {
+        1 => ("d", "even"),
+        2 => ("d", "hex"),
+        _ => ("d", "fcc"),
+    }
+}

@@ -1,0 +1,82 @@
+//! The files of an analysis: every row of every room, and the points.
+
+use std::io::{self, Write};
+
+use base64::Engine as _;
+
+use super::html::color_bar;
+use super::{npy, png, points_picture, svg};
+use crate::error::{Error, Result};
+use crate::estimate::Analysis;
+use crate::statistics::{Array, Make, Output, SECTIONS, Section};
+
+/// Every room, and the points last.
+pub(super) fn sections() -> impl DoubleEndedIterator<Item = &'static dyn Section> {
+    SECTIONS.iter().copied().chain([&points_picture::Shown as &dyn Section])
+}
+
+/// Every file there may be, in the order in which they are written.
+pub(super) fn all() -> Vec<&'static Output> {
+    let mut outputs: Vec<&Output> = sections().flat_map(|section| section.outputs()).collect();
+    outputs.sort_by_key(|output| output.turn);
+    outputs
+}
+
+/// What a file holds.
+pub(super) enum Content<'a> {
+    Bytes(Vec<u8>),
+    Array(Array<'a>),
+}
+
+/// A picture as it stands in the page, in HTML, and what is seen in it.
+pub(super) struct Picture {
+    pub(super) html: String,
+    pub(super) seen: String,
+}
+
+/// The content of a file and, of a picture, what the page shows; `None` where there is nothing.
+pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<(Content<'a>, Option<Picture>)>> {
+    let bytes = |bytes| (Content::Bytes(bytes), None);
+    let drawn = |svg: String| {
+        let picture = Picture { html: svg.clone(), seen: String::new() };
+        (Content::Bytes(svg.into_bytes()), Some(picture))
+    };
+    Ok(match output.make {
+        Make::Table(make) => make(a).map(|table| table.csv()).transpose()?.map(bytes),
+        Make::Array(make) => make(a).map(|array| (Content::Array(array), None)),
+        Make::Figure(make) => make(a).map(|figure| svg::svg(&figure)).transpose().map_err(io::Error::other)?.map(drawn),
+        Make::Svg(make) => Some(drawn(make(a).map_err(io::Error::other)?)),
+        Make::Image(make) => match make(a) {
+            None => None,
+            Some(image) => {
+                let bytes = png::image(&image).map_err(io::Error::other)?;
+                let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+                let ([width, height], alt, bar) = (image.size, image.alt, color_bar(&image.bar));
+                let html = format!(
+                    "<img alt=\"{alt}\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{data}\">\n{bar}"
+                );
+                Some((Content::Bytes(bytes), Some(Picture { html, seen: image.seen })))
+            }
+        },
+    })
+}
+
+impl Content<'_> {
+    /// Writes it.
+    pub(super) fn write(self, file: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Bytes(bytes) => file.write_all(&bytes),
+            Self::Array(array) => npy::write(array, file),
+        }
+    }
+}
+
+/// The bytes of one file; `None` where there is nothing, or no such file.
+pub(super) fn bytes(name: &str, a: &Analysis) -> Result<Option<Vec<u8>>> {
+    let Some(output) = all().into_iter().find(|output| output.name == name) else { return Ok(None) };
+    let mut bytes = Vec::new();
+    match made(output, a).and_then(|made| made.map(|(content, _)| content.write(&mut bytes)).transpose()) {
+        Ok(written) => Ok(written.map(|()| bytes)),
+        Err(e) => Err(Error::file(name, e)),
+    }
+}

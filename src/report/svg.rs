@@ -1,0 +1,396 @@
+//! Figures as SVG, and how they look: one frame, bands, lines, levels and a legend that stands outside the frame.
+//!
+//! plotters lays out and draws the geometry. Its SVG backend counts in whole pixels, so a figure is drawn ten times too
+//! large and scaled down. Text is written here: plotters knows neither the width of a glyph nor a subscript.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use crate::display::figure::{Figure, GREY, Layer, Rgb};
+use crate::display::{escape, log_ticks, shortened, thinned_band, thinned_line, ticks};
+use crate::statistics::Svg;
+
+/// Width of a figure in px.
+pub(super) const WIDTH: u32 = 900;
+/// Height of a figure with curves in px.
+const HEIGHT: u32 = 600;
+/// Backend pixels per px.
+const FINE: i32 = 10;
+
+/// Columns per px of which a curve shows four points at most: more cannot be told apart.
+const COLUMNS: f64 = 2.0;
+
+const LEFT: f64 = 84.0;
+const RIGHT: f64 = 872.0;
+const BOTTOM: f64 = 532.0;
+
+const GRID: RGBColor = RGBColor(232, 232, 232);
+const FRAME: RGBColor = RGBColor(90, 90, 90);
+
+pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// The figure as SVG text.
+pub(super) fn svg(figure: &Figure) -> Svg {
+    Drawing(figure).svg()
+}
+
+/// A figure that is being drawn.
+struct Drawing<'a>(&'a Figure);
+
+impl Drawing<'_> {
+    /// Where the frame begins.
+    fn frame_top(&self) -> f64 {
+        if self.0.top.is_some() { 150.0 } else { 112.0 }
+    }
+
+    /// The abscissa as it is drawn.
+    fn place(&self, x: f64) -> f64 {
+        if self.0.log_x { x.ln() } else { x }
+    }
+
+    /// The ordinate as it is drawn.
+    fn place_y(&self, y: f64) -> f64 {
+        if self.0.log_y { y.max(self.0.y.start * 1e-3).ln() } else { y }
+    }
+
+    fn drawn_y(&self) -> Range<f64> {
+        self.place_y(self.0.y.start)..self.place_y(self.0.y.end)
+    }
+
+    fn drawn_x(&self) -> Range<f64> {
+        self.place(self.0.x.start)..self.place(self.0.x.end)
+    }
+
+    fn px_x(&self, x: f64) -> f64 {
+        let drawn = self.drawn_x();
+        LEFT + (self.place(x) - drawn.start) / (drawn.end - drawn.start) * (RIGHT - LEFT)
+    }
+
+    fn px_y(&self, y: f64) -> f64 {
+        let drawn = self.drawn_y();
+        BOTTOM - (self.place_y(y) - drawn.start) / (drawn.end - drawn.start) * (BOTTOM - self.frame_top())
+    }
+
+    fn svg(&self) -> Svg {
+        let mut text = heading(self.0.title, &self.0.subject, &self.0.note);
+        let x_ticks = if self.0.log_x { log_ticks(&self.0.x) } else { ticks(&self.0.x, 9) };
+        let y_ticks = if self.0.log_y { log_ticks(&self.0.y) } else { ticks(&self.0.y, 7) };
+        for &(x, ref label) in &x_ticks {
+            write_text(&mut text, self.px_x(x), BOTTOM + 21.0, "middle", LABEL, label);
+        }
+        for &(y, ref label) in &y_ticks {
+            write_text(&mut text, LEFT - 9.0, self.px_y(y) + 4.5, "end", LABEL, label);
+        }
+        let middle = 0.5 * (LEFT + RIGHT);
+        write_text(&mut text, middle, BOTTOM + 50.0, "middle", AXIS, &self.0.x_label);
+        let y_middle = 0.5 * (BOTTOM + self.frame_top());
+        let turned = format!(r#"{AXIS} transform="rotate(-90 24 {y_middle})""#);
+        write_text(&mut text, 24.0, y_middle, "middle", &turned, &self.0.y_label);
+        let mut top_ticks = Vec::new();
+        if let Some(top) = &self.0.top {
+            let range = self.0.x.start / top.unit..self.0.x.end / top.unit;
+            top_ticks = if self.0.log_x { log_ticks(&range) } else { ticks(&range, 9) };
+            for (t, label) in &mut top_ticks {
+                *t *= top.unit;
+                write_text(&mut text, self.px_x(*t), self.frame_top() - 11.0, "middle", LABEL, label);
+            }
+            write_text(&mut text, middle, self.frame_top() - 32.0, "middle", LABEL, &top.label);
+        }
+        self.legend(&mut text);
+        for layer in &self.0.layers {
+            if let Layer::Hint { x, label } = layer {
+                // The label stays inside the frame: it turns to the left of its line near the right end.
+                let at = self.px_x(*x);
+                let (dx, anchor) = if at > RIGHT - 150.0 { (-6.0, "end") } else { (6.0, "start") };
+                write_text(&mut text, at + dx, BOTTOM - 10.0, anchor, HINT, label);
+            }
+        }
+        let x_values = x_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
+        let y_values = y_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
+        let top_values = top_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
+        let description = format!("{}. {}. {}", self.0.title, escape(&self.0.subject), self.0.note);
+        picture((WIDTH, HEIGHT), &description, &text, |root| self.draw(root, &x_values, &y_values, &top_values))
+    }
+
+    fn draw(&self, root: &Area<'_>, x_ticks: &[f64], y_ticks: &[f64], top_ticks: &[f64]) -> DrawResult {
+        let px = |v: f64| fine(v) as u32;
+        let mut chart = ChartBuilder::on(root)
+            .margin_left(px(LEFT))
+            .margin_right(px(f64::from(WIDTH) - RIGHT))
+            .margin_top(px(self.frame_top()))
+            .margin_bottom(px(f64::from(HEIGHT) - BOTTOM))
+            .build_cartesian_2d(self.drawn_x(), self.drawn_y())?;
+        let level = |y: f64| [(self.drawn_x().start, self.place_y(y)), (self.drawn_x().end, self.place_y(y))];
+        for &y in y_ticks {
+            chart.draw_series(LineSeries::new(level(y), GRID.stroke_width(px(1.0))))?;
+        }
+        for layer in &self.0.layers {
+            match layer {
+                Layer::Band { color, runs, .. } => {
+                    for run in runs {
+                        let run = thinned_band(run, |x| (COLUMNS * self.px_x(x)).floor());
+                        let there = run.iter().map(|&[x, lo, _]| (self.place(x), self.place_y(lo)));
+                        let back = run.iter().rev().map(|&[x, _, hi]| (self.place(x), self.place_y(hi)));
+                        let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
+                        chart.draw_series([Polygon::new(polygon, rgb(*color).mix(0.22))])?;
+                    }
+                }
+                Layer::Line { color, width, dashed, runs, .. } => {
+                    let style = rgb(*color).stroke_width(px(*width));
+                    for run in runs {
+                        let run = thinned_line(run, |p| (COLUMNS * self.px_x(p.0)).floor(), |p| p.1);
+                        let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
+                        for piece in clipped_line(&run, &self.drawn_y()) {
+                            if *dashed {
+                                chart.draw_series(DashedLineSeries::new(piece, 70, 45, style))?;
+                            } else {
+                                chart.draw_series(LineSeries::new(piece, style))?;
+                            }
+                        }
+                    }
+                }
+                Layer::Level { y, .. } if self.0.y.contains(y) => {
+                    chart.draw_series(LineSeries::new(level(*y), rgb(GREY).stroke_width(px(1.2))))?;
+                }
+                Layer::Hint { x, .. } => {
+                    let line = [self.drawn_y().start, self.drawn_y().end].map(|y| (self.place(*x), y));
+                    chart.draw_series(DashedLineSeries::new(line, 20, 40, rgb(GREY).stroke_width(px(1.0))))?;
+                }
+                Layer::Level { .. } => {}
+            }
+        }
+        let at = |x: f64, y: f64| (fine(x), fine(y));
+        let thin = thin();
+        root.draw(&frame((LEFT, self.frame_top()), (RIGHT, BOTTOM)))?;
+        for &x in x_ticks {
+            let x = self.px_x(x);
+            root.draw(&PathElement::new([at(x, BOTTOM), at(x, BOTTOM + 5.0)], thin))?;
+        }
+        for &x in top_ticks {
+            let x = self.px_x(x);
+            root.draw(&PathElement::new([at(x, self.frame_top() - 5.0), at(x, self.frame_top())], thin))?;
+        }
+        for &y in y_ticks {
+            let y = self.px_y(y);
+            root.draw(&PathElement::new([at(LEFT - 5.0, y), at(LEFT, y)], thin))?;
+        }
+        // Where a curve leaves the frame at the top: a mark at the edge.
+        for layer in &self.0.layers {
+            if let Layer::Line { color, runs, dashed: false, .. } = layer {
+                let mut last = f64::NEG_INFINITY;
+                for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.0.y.end) {
+                    let (x, y) = (self.px_x(x), self.frame_top());
+                    // Marks that would touch are one mark.
+                    if x - last >= 9.0 {
+                        let mark = vec![at(x - 4.0, y + 8.0), at(x + 4.0, y + 8.0), at(x, y + 1.0)];
+                        root.draw(&Polygon::new(mark, rgb(*color)))?;
+                        last = x;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// One row above the frame.
+    fn legend(&self, text: &mut String) {
+        const Y: f64 = 94.0;
+        let mut x = LEFT;
+        for layer in &self.0.layers {
+            let (name, color, height, dash) = match layer {
+                Layer::Band { name, color, .. } => (name, color, 11.0, ""),
+                Layer::Line { name, color, width, dashed, .. } => {
+                    (name, color, *width, if *dashed { r#" stroke-dasharray="7 4.5""# } else { "" })
+                }
+                Layer::Level { name, .. } => (name, &GREY, 1.2, ""),
+                Layer::Hint { .. } => continue,
+            };
+            if name.is_empty() {
+                continue;
+            }
+            let opacity = if matches!(layer, Layer::Band { .. }) { r#" stroke-opacity="0.22""# } else { "" };
+            let _ = writeln!(
+                text,
+                r#"<path d="M{x:.1} {:.1}h26" stroke="{}" stroke-width="{height}" fill="none"{opacity}{dash}/>"#,
+                Y - 4.5,
+                hex(*color),
+            );
+            write_text(text, x + 33.0, Y, "start", LABEL, name);
+            x += 33.0 + width_of(name) + 24.0;
+        }
+    }
+}
+
+/// The style of frames and ticks.
+pub(super) fn thin() -> ShapeStyle {
+    FRAME.stroke_width(FINE as u32)
+}
+
+/// A frame between two corners in px. Not a plotters rectangle, whose line has no width in SVG.
+pub(super) fn frame((x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> PathElement<(i32, i32)> {
+    let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
+    PathElement::new(corners.map(|(x, y)| (fine(x), fine(y))), thin())
+}
+
+/// Attributes of the kinds of text.
+const TITLE: &str = r##"font-size="19" font-weight="bold" fill="#222222""##;
+const NOTE: &str = r##"font-size="13" fill="#555555""##;
+const LABEL: &str = r##"font-size="13" fill="#333333""##;
+const AXIS: &str = r##"font-size="15" fill="#222222""##;
+const HINT: &str =
+    r##"font-size="13" fill="#555555" stroke="#ffffff" stroke-width="3" paint-order="stroke" stroke-opacity="0.85""##;
+
+/// Title, subject and note at the top left. `note` is SVG text; the others are escaped here.
+pub(super) fn heading(title: &str, subject: &str, note: &str) -> String {
+    let mut text = String::new();
+    write_text(&mut text, LEFT, 29.0, "start", TITLE, &escape(title));
+    write_text(&mut text, LEFT, 49.0, "start", NOTE, &escape(&shortened(subject, 115)));
+    write_text(&mut text, LEFT, 67.0, "start", NOTE, note);
+    text
+}
+
+/// Small text of the kind used for tick labels.
+pub(super) fn label(text: &mut String, x: f64, y: f64, anchor: &str, content: &str) {
+    write_text(text, x, y, anchor, LABEL, content);
+}
+
+fn write_text(text: &mut String, x: f64, y: f64, anchor: &str, attributes: &str, content: &str) {
+    let _ = writeln!(text, r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}" {attributes}>{content}</text>"#);
+}
+
+/// Rough width in px of SVG text at 13 px: tags do not count, an entity counts once.
+fn width_of(svg_text: &str) -> f64 {
+    let (mut width, mut hidden) = (0.0, None);
+    for c in svg_text.chars() {
+        match (hidden, c) {
+            (None, '<') => hidden = Some('>'),
+            (None, '&') => hidden = Some(';'),
+            (Some(end), c) if c == end => {
+                hidden = None;
+                width += if end == ';' { 7.0 } else { 0.0 };
+            }
+            (None, _) => width += 6.6,
+            _ => {}
+        }
+    }
+    width
+}
+
+fn rgb(color: Rgb) -> RGBColor {
+    RGBColor(color.0, color.1, color.2)
+}
+
+/// As in SVG.
+pub(super) fn hex(color: Rgb) -> String {
+    format!("#{:02x}{:02x}{:02x}", color.0, color.1, color.2)
+}
+
+/// Backend pixels of a length in px.
+pub(super) fn fine(px: f64) -> i32 {
+    (px * f64::from(FINE)).round() as i32
+}
+
+/// Geometry by plotters, then `overlay` (in px), as one SVG document without references to anything outside. No ids: a
+/// page may hold several.
+pub(super) fn picture(
+    (width, height): (u32, u32),
+    description: &str,
+    overlay: &str,
+    draw: impl FnOnce(&Area<'_>) -> DrawResult,
+) -> Svg {
+    let mut drawn = String::new();
+    {
+        let root = SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
+        draw(&root)?;
+        root.present()?;
+    }
+    // The backend's own root element gives way to one in px.
+    let body = drawn.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>");
+    Ok(format!(
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" role="img" font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" stroke-linejoin="round">
+<title>{}</title>
+<rect width="{width}" height="{height}" fill="#ffffff"/>
+<g transform="scale({})">{body}</g>
+{overlay}</svg>
+"##,
+        description_text(description),
+        1.0 / f64::from(FINE),
+    ))
+}
+
+/// SVG text without its tags.
+fn description_text(svg_text: &str) -> String {
+    let mut plain = String::new();
+    let mut rest = svg_text;
+    while let Some((before, tagged)) = rest.split_once('<') {
+        plain.push_str(before);
+        rest = tagged.split_once('>').map_or("", |(_, after)| after);
+    }
+    plain.push_str(rest);
+    plain.replace("&#8203;", "")
+}
+
+/// The pieces of a polyline inside a horizontal strip.
+fn clipped_line(run: &[(f64, f64)], strip: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
+    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+    for pair in run.windows(2) {
+        let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+        // The segment's parameters where it is between the two levels.
+        let cross = |level: f64| (level - y0) / (y1 - y0);
+        let (t0, t1) = if y0 == y1 {
+            if y0 < strip.start || y0 > strip.end {
+                continue;
+            }
+            (0.0, 1.0)
+        } else {
+            let (a, b) = (cross(strip.start), cross(strip.end));
+            (a.min(b).max(0.0), a.max(b).min(1.0))
+        };
+        if t0 > t1 {
+            continue;
+        }
+        let at = |t: f64| (x0 + t * (x1 - x0), (y0 + t * (y1 - y0)).clamp(strip.start, strip.end));
+        match pieces.last_mut() {
+            Some(piece) if t0 == 0.0 && piece.last() == Some(&at(0.0)) => piece.push(at(t1)),
+            _ => pieces.push(vec![at(t0), at(t1)]),
+        }
+    }
+    pieces
+}
+
+/// A polygon cut to a horizontal strip (Sutherland and Hodgman 1974, two of its four sides).
+fn clipped_polygon(polygon: Vec<(f64, f64)>, strip: &Range<f64>) -> Vec<(f64, f64)> {
+    let cut = |polygon: Vec<(f64, f64)>, level: f64, above: bool| {
+        let inside = |p: (f64, f64)| if above { p.1 >= level } else { p.1 <= level };
+        let mut kept = Vec::with_capacity(polygon.len() + 4);
+        for (i, &p) in polygon.iter().enumerate() {
+            let q = polygon[(i + 1) % polygon.len()];
+            if inside(p) {
+                kept.push(p);
+            }
+            if inside(p) != inside(q) {
+                kept.push((p.0 + (level - p.1) / (q.1 - p.1) * (q.0 - p.0), level));
+            }
+        }
+        kept
+    };
+    cut(cut(polygon, strip.start, true), strip.end, false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_are_cut_at_the_frame() {
+        let pieces = clipped_line(&[(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)], &(0.0..1.0));
+        assert_eq!(pieces, [vec![(0.0, 0.0), (0.5, 1.0)], vec![(1.5, 1.0), (2.0, 0.0)]]);
+        assert!(clipped_line(&[(0.0, 5.0), (1.0, 5.0)], &(0.0..1.0)).is_empty());
+        let band = clipped_polygon(vec![(0.0, -1.0), (2.0, -1.0), (2.0, 3.0), (0.0, 3.0)], &(0.0..1.0));
+        assert!(band.len() == 4 && band.iter().all(|p| p.1 == 0.0 || p.1 == 1.0), "{band:?}");
+    }
+}

@@ -1,0 +1,41 @@
+//! Whose numbers these are, where not ours: a key of the summary.
+
+use serde::Serialize;
+
+use super::{Keys, Section};
+use crate::estimate::{Analysis, PsaStatistics};
+use crate::plan::Convention;
+
+/// The convention in a report.
+pub(crate) struct Shown;
+
+impl Section for Shown {
+    fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
+        keys.add("convention", &convention(a))
+    }
+}
+
+/// Whose numbers these are, where not ours.
+#[derive(Serialize)]
+struct ConventionOut {
+    name: Convention,
+    bug_compatible: bool,
+    /// What `nu_lo`, `nu` and `nu_hi` are.
+    spectrum_radial: &'static str,
+    /// What `r` of `pcf.csv` is.
+    pcf: &'static str,
+    /// By PSA's own route through the pair counts.
+    #[serde(flatten)]
+    psa: Option<PsaStatistics>,
+}
+
+/// Its names of columns, and PSA's own statistics.
+fn convention(a: &Analysis) -> Option<ConventionOut> {
+    (a.convention != Convention::Ours).then(|| ConventionOut {
+        name: a.convention,
+        bug_compatible: a.bug_compatible,
+        spectrum_radial: a.convention.labels(),
+        pcf: a.convention.pair_labels(),
+        psa: a.psa().copied(),
+    })
+}

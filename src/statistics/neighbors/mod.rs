@@ -1,0 +1,94 @@
+//! Nearest neighbours: distances, G, F and J, and bond order.
+
+mod figures;
+mod summary;
+mod tables;
+
+use super::{Keys, Output, Row, Section, across};
+use crate::display::{human, packing_symbol, with_error};
+use crate::estimate::{Analysis, ErrorSource};
+
+/// Neighbours in a report.
+pub(crate) struct Shown;
+
+impl Section for Shown {
+    fn outputs(&self) -> &'static [Output] {
+        const {
+            &[
+                Output::table("neighbor_functions.csv", tables::functions),
+                Output::figure("neighbor_functions.svg", figures::functions, "Nearest neighbours", figures::caption),
+            ]
+        }
+    }
+
+    fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
+        keys.add("neighbors", &summary::neighbors(a))
+    }
+
+    fn scalars(&self, a: &Analysis) -> Vec<Row> {
+        let (d, which) = packing_symbol(a.domain.dim());
+        let symbol = format!("<i>{d}</i><sub>{which}</sub>");
+        let mut rows = Vec::new();
+        if let Some(neighbors) = a.neighbors() {
+            let nn = &neighbors.distances;
+            let relative = |r: Option<f64>| r.map_or(String::new(), |r| format!(" ({} {symbol})", human(r)));
+            let value = |v: Option<f64>, se, r| {
+                v.map_or("undefined: no realization has two points".into(), |v| {
+                    format!("{} length units{}", with_error(v, se), relative(r))
+                })
+            };
+            rows.push(("Smallest nearest-neighbour distance".into(), value(nn.minimum, None, nn.minimum_relative)));
+            if a.shape.realizations >= 2 {
+                let mean = value(nn.mean_minimum, nn.mean_minimum_se, nn.mean_minimum_relative);
+                rows.push(("The smallest of each realization, mean".into(), mean));
+            }
+            rows.push(("Mean nearest-neighbour distance".into(), value(nn.mean, nn.mean_se, nn.mean_relative)));
+            if let Ok(bonds) = &neighbors.bonds {
+                let [local, global] = [(bonds.local, bonds.local_se), (bonds.global, bonds.global_se)]
+                    .map(|(value, se)| with_error(value, se));
+                let shares = bonds.with_5_6_7_neighbors.map(human).join(", ");
+                rows.push(("Bond order, mean of |<i>ψ</i><sub>6</sub>|".into(), local));
+                rows.push(("Bond order, |mean of <i>ψ</i><sub>6</sub>|".into(), global));
+                rows.push(("Shares of points with 5, 6, 7 neighbours".into(), shares));
+            }
+        }
+        rows
+    }
+
+    fn errors(&self, a: &Analysis) -> Vec<Row> {
+        let mut rows = Vec::new();
+        if let Some(neighbors) = a.neighbors() {
+            if neighbors.distances.mean_se.is_some() {
+                rows.push(("nearest-neighbour distances, bond order".into(), across(a, "the realization's value")));
+            }
+            let text = match neighbors.functions.errors {
+                ErrorSource::AcrossRealizations => across(a, "each distance's <i>G</i> and <i>F</i>"),
+                ErrorSource::Theory => {
+                    "theory, for a single realization: binomial, as if the distances of all points were independent; for \
+                     <i>F</i> as of only as many test points as there are points"
+                        .into()
+                }
+            };
+            rows.push(("<i>G</i>(<i>r</i>), <i>F</i>(<i>r</i>)".into(), text));
+        }
+        rows
+    }
+
+    fn headline(&self, a: &Analysis) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(neighbors) = a.neighbors() {
+            let nn = &neighbors.distances;
+            let value = |x: Option<f64>, se| x.map_or("undefined".into(), |x| with_error(x, se));
+            let relative =
+                nn.mean_relative.map_or(String::new(), |r| format!(" ({} of the closest packing)", human(r)));
+            let (minimum, mean) = (value(nn.minimum, None), value(nn.mean, nn.mean_se));
+            lines.push(format!("nearest neighbour: smallest {minimum}, mean {mean}{relative}"));
+            if let Ok(bonds) = &neighbors.bonds {
+                let (local, global) =
+                    (with_error(bonds.local, bonds.local_se), with_error(bonds.global, bonds.global_se));
+                lines.push(format!("bond order: mean |ψ₆| {local}, |mean ψ₆| {global}"));
+            }
+        }
+        lines
+    }
+}

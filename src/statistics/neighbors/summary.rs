@@ -1,0 +1,35 @@
+//! What `summary.json` says of neighbours.
+
+use serde::Serialize;
+
+use crate::estimate::{Analysis, BondOrder, ErrorSource, NeighborDistances};
+
+#[derive(Serialize)]
+pub(super) struct NeighborsOut {
+    #[serde(flatten)]
+    distances: NeighborDistances,
+    functions: FunctionsOut,
+    psi_6: Option<BondOrder>,
+    psi_6_undefined: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+pub(super) struct FunctionsOut {
+    distances: usize,
+    errors: ErrorSource,
+    test_points: u64,
+}
+
+/// Of distances, functions and bonds.
+pub(super) fn neighbors(a: &Analysis) -> Option<NeighborsOut> {
+    a.neighbors().map(|n| NeighborsOut {
+        distances: n.distances,
+        functions: FunctionsOut {
+            distances: n.functions.r.len(),
+            errors: n.functions.errors,
+            test_points: n.functions.probes,
+        },
+        psi_6: n.bonds.ok(),
+        psi_6_undefined: n.bonds.err(),
+    })
+}

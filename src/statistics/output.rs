@@ -1,0 +1,127 @@
+//! A file of a report: its name, how its content is made, when it is written, and where its picture stands in the page.
+
+use rustfft::num_complex::Complex;
+
+use super::Table;
+use crate::display::figure::Figure;
+use crate::estimate::Analysis;
+
+/// A drawn picture.
+pub(crate) type Svg = Result<String, Box<dyn std::error::Error + Send + Sync>>;
+
+/// A file that may be written.
+pub(crate) struct Output {
+    pub(crate) name: &'static str,
+    pub(crate) turn: Turn,
+    pub(crate) make: Make,
+    pub(crate) place: Option<Place>,
+}
+
+/// When a file is written, and so listed: first of all numbers, last what is quickest to make again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Turn {
+    Table,
+    Array,
+    ArrayOfLags,
+    Figure,
+    Image,
+    ImageOfLags,
+    Points,
+}
+
+/// How the content is made; `None` where there is nothing to show.
+#[derive(Clone, Copy)]
+pub(crate) enum Make {
+    Table(fn(&Analysis) -> Option<Table>),
+    Array(fn(&Analysis) -> Option<Array<'_>>),
+    Figure(fn(&Analysis) -> Option<Figure>),
+    Image(fn(&Analysis) -> Option<Image>),
+    /// Drawn by hand.
+    Svg(fn(&Analysis) -> Svg),
+}
+
+/// Where a picture stands in the page.
+pub(crate) struct Place {
+    /// In HTML; pictures of one heading follow each other.
+    pub(crate) heading: &'static str,
+    /// In HTML, of what is seen.
+    pub(crate) caption: Caption,
+}
+
+/// From what an image says is seen in it, or nothing.
+pub(crate) type Caption = fn(&Analysis, &str) -> Option<String>;
+
+/// An array in C order; it may be GiB, so its values come one by one.
+pub(crate) struct Array<'a> {
+    pub(crate) shape: Vec<u64>,
+    pub(crate) values: Values<'a>,
+}
+
+/// What an array holds.
+pub(crate) enum Values<'a> {
+    Real(Box<dyn Iterator<Item = f64> + 'a>),
+    Integer(Box<dyn Iterator<Item = u64> + 'a>),
+    Complex(Box<dyn Iterator<Item = Complex<f64>> + 'a>),
+}
+
+/// A picture in pixels and what it shows.
+pub(crate) struct Image {
+    /// 8-bit sRGB, row by row from the top.
+    pub(crate) rgb: Vec<u8>,
+    /// Width and height.
+    pub(crate) size: [u32; 2],
+    /// In ASCII, for the file.
+    pub(crate) title: &'static str,
+    /// In ASCII, for the file.
+    pub(crate) description: String,
+    /// What is seen, besides the colours.
+    pub(crate) seen: String,
+    /// For those who cannot see it.
+    pub(crate) alt: &'static str,
+    pub(crate) bar: Bar,
+}
+
+/// What the colours stand for.
+pub(crate) enum Bar {
+    /// Places from 0 to 1 on the sequential map, and their values.
+    Sequential(Vec<(f64, String)>),
+    /// g at the two ends of the diverging map, whose middle is 1.
+    AboutOne([f64; 2]),
+}
+
+impl Output {
+    /// A table as CSV.
+    pub(crate) const fn table(name: &'static str, make: fn(&Analysis) -> Option<Table>) -> Self {
+        Self { name, turn: Turn::Table, make: Make::Table(make), place: None }
+    }
+
+    /// An array as NPY.
+    pub(crate) const fn array(name: &'static str, make: fn(&Analysis) -> Option<Array<'_>>) -> Self {
+        Self { name, turn: Turn::Array, make: Make::Array(make), place: None }
+    }
+
+    /// Curves as SVG.
+    pub(crate) const fn figure(
+        name: &'static str,
+        make: fn(&Analysis) -> Option<Figure>,
+        heading: &'static str,
+        caption: Caption,
+    ) -> Self {
+        Self { name, turn: Turn::Figure, make: Make::Figure(make), place: Some(Place { heading, caption }) }
+    }
+
+    /// A picture as PNG.
+    pub(crate) const fn image(
+        name: &'static str,
+        make: fn(&Analysis) -> Option<Image>,
+        heading: &'static str,
+        caption: Caption,
+    ) -> Self {
+        Self { name, turn: Turn::Image, make: Make::Image(make), place: Some(Place { heading, caption }) }
+    }
+
+    /// Written at another turn.
+    pub(crate) const fn turn(self, turn: Turn) -> Self {
+        Self { turn, ..self }
+    }
+}

@@ -1,0 +1,95 @@
+//! g(r), its kernel estimate, g of two classes, and K.
+
+mod figures;
+mod summary;
+mod tables;
+
+use super::{Keys, Output, Row, Section, across};
+use crate::display::human;
+use crate::estimate::{Analysis, ErrorSource};
+
+/// Pairs in a report.
+pub(crate) struct Shown;
+
+impl Section for Shown {
+    fn outputs(&self) -> &'static [Output] {
+        const {
+            &[
+                Output::table("pcf.csv", tables::pcf),
+                Output::table("pcf_cross.csv", tables::cross),
+                Output::table("k_function.csv", tables::k_function),
+                Output::figure("pcf.svg", figures::pcf, "Pair correlation function", figures::pcf_caption),
+                Output::figure("pcf_cross.svg", figures::cross, "Two classes of points", figures::cross_caption),
+                Output::figure("k_function.svg", figures::k_function, "Ripley's <i>K</i> function", figures::k_caption),
+            ]
+        }
+    }
+
+    fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
+        keys.add("pair_correlation", &summary::pair_correlation(a))?;
+        keys.add("cross_correlation", &summary::cross(a))?;
+        keys.add("k_function", &summary::k_function(a))
+    }
+
+    fn accuracy(&self, a: &Analysis) -> Option<Row> {
+        let counted = a.pair_correlation().is_some() || a.vector().is_some();
+        counted.then(|| ("Accuracy of the pair counts".into(), "exact".into()))
+    }
+
+    fn errors(&self, a: &Analysis) -> Vec<Row> {
+        let mut rows = Vec::new();
+        if let Some(pcf) = a.pair_correlation() {
+            let text = match pcf.errors {
+                ErrorSource::AcrossRealizations => across(a, "each bin's <i>g</i>"),
+                ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
+            };
+            rows.push(("<i>g</i>(<i>r</i>)".into(), text));
+        }
+        if let Some(cross) = a.cross() {
+            let text = match cross.between.errors {
+                ErrorSource::AcrossRealizations => across(a, "each bin's <i>g</i>"),
+                ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
+            };
+            rows.push(("<i>g</i> of two classes".into(), text));
+        }
+        if let Some(k) = a.k_function() {
+            let text = match k.errors {
+                ErrorSource::AcrossRealizations => across(a, "<i>K</i>"),
+                ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs, as for \
+                                        independent points; edge effects of a window add to it as <i>r</i> grows"
+                    .into(),
+            };
+            rows.push(("<i>K</i>(<i>r</i>), <i>L</i>(<i>r</i>)".into(), text));
+        }
+        if let Some(kernel) = a.kernel() {
+            let text = match kernel.errors {
+                ErrorSource::AcrossRealizations => across(a, "the estimate at each <i>r</i>"),
+                ErrorSource::Theory => {
+                    "theory, for a single realization: as if all pairs were independent (Poisson)".into()
+                }
+            };
+            rows.push(("kernel estimate".into(), text));
+        }
+        rows
+    }
+
+    fn headline(&self, a: &Analysis) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(g) = a.pair_correlation() {
+            let pairs: u64 = g.count.iter().sum();
+            let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
+            lines.push(format!("g(r): {} bins over {range}, {pairs} ordered pairs", g.g.len()));
+        }
+        if let Some(cross) = a.cross() {
+            let pairs: u64 = cross.between.count.iter().sum();
+            let [a, b] = &cross.classes;
+            lines.push(format!("g of {a} and {b}: {pairs} pairs from {a} to {b}"));
+        }
+        if let Some(k) = a.k_function()
+            && let (Some(&r), Some(&neighbors)) = (k.r.last(), k.neighbors.last())
+        {
+            lines.push(format!("K(r): {} further points within {} of a point, on average", human(neighbors), human(r)));
+        }
+        lines
+    }
+}

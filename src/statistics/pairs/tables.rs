@@ -1,0 +1,58 @@
+//! Tables of g, of two classes and of K.
+
+use crate::estimate::Analysis;
+use crate::statistics::Table;
+
+/// `pcf.csv`: r in the domain's length unit, `count` ordered pairs over all realizations, g dimensionless.
+pub(super) fn pcf(analysis: &Analysis) -> Option<Table> {
+    let pcf = analysis.pair_correlation()?;
+    let table = Table::new()
+        .floats("r_lo", pcf.r_lo.iter().copied())
+        .floats("r", pcf.r.iter().copied())
+        .floats("r_hi", pcf.r_hi.iter().copied())
+        .integers("count", pcf.count.iter().copied())
+        .floats("g", pcf.g.iter().copied())
+        .floats("g_se", pcf.g_se.iter().copied());
+    Some(match analysis.kernel() {
+        Some(kernel) => {
+            table.optional("g_kernel", kernel.g.iter().copied()).optional("g_kernel_se", kernel.g_se.iter().copied())
+        }
+        None => table,
+    })
+}
+
+/// `k_function.csv`: at distances r, in the domain's length unit; K in units of its measure.
+pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
+    let k = analysis.k_function()?;
+    Some(
+        Table::new()
+            .floats("r", k.r.iter().copied())
+            .floats("k", k.k.iter().copied())
+            .floats("k_se", k.k_se.iter().copied())
+            .floats("l", k.l.iter().copied())
+            .optional("l_se", k.l_se.iter().copied())
+            .floats("l_minus_r", k.l_minus_r.iter().copied())
+            .floats("neighbors", k.neighbors.iter().copied()),
+    )
+}
+
+/// `pcf_cross.csv`: as `pcf.csv` for two classes a and b; `count_ab` are ordered pairs from a to b.
+pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
+    let cross = analysis.cross()?;
+    let [a, b, ab] = [&cross.a, &cross.b, &cross.between];
+    let mut table = Table::new()
+        .floats("r_lo", ab.r_lo.iter().copied())
+        .floats("r", ab.r.iter().copied())
+        .floats("r_hi", ab.r_hi.iter().copied());
+    for (names, g) in [
+        (["count_aa", "g_aa", "g_aa_se"], a),
+        (["count_bb", "g_bb", "g_bb_se"], b),
+        (["count_ab", "g_ab", "g_ab_se"], ab),
+    ] {
+        table = table
+            .integers(names[0], g.count.iter().copied())
+            .floats(names[1], g.g.iter().copied())
+            .floats(names[2], g.g_se.iter().copied());
+    }
+    Some(table)
+}

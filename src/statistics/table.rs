@@ -1,0 +1,62 @@
+//! Tables: named columns, and the CSV files made of them.
+
+use crate::estimate::Band;
+
+/// Columns of equal length.
+pub(crate) struct Table {
+    columns: Vec<(&'static str, Vec<String>)>,
+}
+
+/// A float as the shortest decimal that reads back as the same f64, zero without a sign; undefined or infinite: empty.
+fn cell(x: f64) -> String {
+    if x.is_finite() { format!("{:?}", x + 0.0) } else { String::new() }
+}
+
+impl Table {
+    /// Without columns.
+    pub(crate) fn new() -> Self {
+        Self { columns: Vec::new() }
+    }
+
+    /// Real numbers.
+    pub(crate) fn floats(mut self, name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
+        self.columns.push((name, values.into_iter().map(cell).collect()));
+        self
+    }
+
+    /// Real numbers, empty where undefined.
+    pub(crate) fn optional(self, name: &'static str, values: impl IntoIterator<Item = Option<f64>>) -> Self {
+        self.floats(name, values.into_iter().map(|v| v.unwrap_or(f64::NAN)))
+    }
+
+    /// Counts.
+    pub(crate) fn integers(mut self, name: &'static str, values: impl IntoIterator<Item = u64>) -> Self {
+        self.columns.push((name, values.into_iter().map(|v| v.to_string()).collect()));
+        self
+    }
+
+    /// Words.
+    pub(crate) fn text(mut self, name: &'static str, values: impl IntoIterator<Item = String>) -> Self {
+        self.columns.push((name, values.into_iter().collect()));
+        self
+    }
+
+    /// `p_lo`, `p_hi`, and in `p_band` what they rest on.
+    pub(crate) fn bands(self, bands: impl Iterator<Item = Option<Band>> + Clone) -> Self {
+        self.optional("p_lo", bands.clone().map(|b| Some(b?.lo)))
+            .optional("p_hi", bands.clone().map(|b| Some(b?.hi)))
+            .text("p_band", bands.map(|b| b.map_or(String::new(), |b| b.law.name().to_string())))
+    }
+
+    /// The table as CSV: one header line, then one line per row.
+    pub(crate) fn csv(&self) -> std::io::Result<Vec<u8>> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(self.columns.iter().map(|c| c.0))?;
+        let rows = self.columns.iter().map(|c| c.1.len()).max().unwrap_or(0);
+        for row in 0..rows {
+            // A column that is too short leaves cells empty; the reader sees a hole, not a shifted table.
+            writer.write_record(self.columns.iter().map(|c| c.1.get(row).map_or("", String::as_str)))?;
+        }
+        writer.into_inner().map_err(|e| e.into_error())
+    }
+}

@@ -1,0 +1,124 @@
+//! `spectrum.png`: P on the frequency grid in colours, DC at the centre, the y axis up.
+
+use super::figures::DEFINITION;
+use crate::display::{DC, ToneMap, escape, human, middle, peak, sequential};
+use crate::estimate::Analysis;
+use crate::statistics::{Bar, Image};
+
+/// What a colour means, in words; the same text is in the file and in the page.
+pub(crate) fn tone_text() -> String {
+    format!("{}; colour map: viridis, from dark blue through green to yellow", ToneMap::Reinhard.definition())
+}
+
+/// Pixels a small grid is magnified towards, by whole factors.
+const TARGET: f64 = 1024.0;
+
+/// No side of a picture is shorter than this part of the other.
+const THINNEST: f64 = 0.25;
+
+/// Pixels that an isolated peak has at least per axis, however large the grid.
+const PEAK: u32 = 5;
+
+/// Pixels per mode along both axes: modes keep their shape in frequency per unit length, as far as whole pixels allow, and the
+/// picture is not too thin to be seen.
+fn pixels(modes: [u32; 2], sides: [f64; 2]) -> [u32; 2] {
+    let modes = modes.map(f64::from);
+    let longest = (modes[0] / sides[0]).max(modes[1] / sides[1]);
+    let mut pixels = sides.map(|side| (TARGET / side / longest).floor().max(1.0));
+    let extent = |axis: usize| modes[axis] * pixels[axis];
+    let longer = extent(0).max(extent(1));
+    for axis in 0..2 {
+        if modes[axis] * pixels[axis] < THINNEST * longer {
+            pixels[axis] = (THINNEST * longer / modes[axis]).ceil();
+        }
+    }
+    pixels.map(|p| p as u32)
+}
+
+/// `None` for a list, and in one dimension, where the radial curve already shows all.
+pub(crate) fn image(analysis: &Analysis) -> Option<Image> {
+    let (spectrum, grid) = analysis.grid_of_power().filter(|(_, grid)| grid.dim() >= 2)?;
+    let (sides, n) = (analysis.domain.sides(), analysis.shape.mean_points);
+    let [f0, f1, _] = grid.max_frequency();
+    let [h0, h1] = middle(grid);
+    let (columns, rows) = (2 * h0 as u32 + 1, 2 * h1 as u32 + 1);
+    let [dx, dy] = pixels([columns, rows], [sides[0], sides[1]]);
+    let (width, height) = (columns * dx, rows * dy);
+
+    let tone = |p: f64| ToneMap::Reinhard.tone(p, n);
+    let p = |m0: i32, m1: i32| spectrum.p[grid.half_index([m0, m1, 0])];
+    let modes = || (-h1..=h1).rev().flat_map(|m1| (-h0..=h0).map(move |m0| (m0, m1)));
+    let mut tones = vec![0.0; (width * height) as usize];
+    let mut fill = |x: std::ops::Range<u32>, y: std::ops::Range<u32>, v: f64| {
+        for y in y {
+            for tone in &mut tones[(y * width + x.start) as usize..(y * width + x.end) as usize] {
+                *tone = v.max(*tone);
+            }
+        }
+    };
+    let mut peaks = Vec::new();
+    for (m0, m1) in modes() {
+        let (x, y) = ((m0 + h0) as u32 * dx, (h1 - m1) as u32 * dy);
+        fill(x..x + dx, y..y + dy, tone(p(m0, m1)));
+        if p(m0, m1) > peak(n) && (m0, m1) != (0, 0) {
+            peaks.push((x + dx / 2, y + dy / 2, tone(p(m0, m1))));
+        }
+    }
+    // As large as leaves most of the picture to the rest.
+    let room = (f64::from(width) * f64::from(height) / 4.0 / peaks.len().max(1) as f64).sqrt();
+    let reach = PEAK.min(room as u32) / 2;
+    for &(x, y, v) in peaks.iter().filter(|_| dx.min(dy) < PEAK) {
+        let around = |at: u32, end: u32| at.saturating_sub(reach)..(at + reach + 1).min(end);
+        fill(around(x, width), around(y, height), v);
+    }
+    let mut image: Vec<u8> = tones.into_iter().flat_map(sequential).collect();
+    for y in (h1 as u32 * dy)..(h1 as u32 + 1) * dy {
+        for x in (h0 as u32 * dx)..(h0 as u32 + 1) * dx {
+            let at = 3 * (y * width + x) as usize;
+            image[at..at + 3].copy_from_slice(&DC);
+        }
+    }
+
+    let mut caption = format!("modes m_x = -{h0}..{h0} to the right, m_y = -{h1}..{h1} upward, ");
+    if grid.dim() == 3 {
+        caption.push_str("the slice m_z = 0, ");
+    }
+    if h0 < f0 as i32 || h1 < f1 as i32 {
+        caption.push_str("the middle of a larger grid, ");
+    }
+    let each = if dx * dy == 1 { "one pixel".into() } else { format!("{dx} x {dy} pixels") };
+    caption.push_str(&format!("each mode {each}, DC (the centre) drawn grey"));
+    if !peaks.is_empty() && dx.min(dy) < PEAK && reach > 0 {
+        let wide = 2 * reach + 1;
+        caption.push_str(&format!(", peaks above P = {} at least {wide} pixels wide", human(peak(n))));
+    }
+    Some(Image {
+        rgb: image,
+        size: [width, height],
+        title: "Power spectrum P(m)",
+        description: format!("{caption}. Tone map: {}", tone_text()),
+        seen: caption,
+        alt: "Power spectrum on the frequency grid",
+        bar: Bar::Sequential(ToneMap::Reinhard.ticks(n)),
+    })
+}
+
+/// What the picture shows.
+pub(super) fn caption(_: &Analysis, seen: &str) -> Option<String> {
+    let (seen, tones) = (escape(seen), escape(&tone_text()));
+    Some(format!("{DEFINITION} on the frequency grid: {seen}. Tone map: {tones}."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unequal_grids_are_neither_thin_nor_huge() {
+        assert_eq!(pixels([2001, 7], [1.0, 1.0]), [1, 72]);
+        assert_eq!(pixels([103, 103], [1.0, 1.0]), [9, 9]);
+        assert_eq!(pixels([401, 101], [4.0, 1.0]), [2, 10]);
+        assert_eq!(pixels([2047, 2047], [1.0, 1.0]), [1, 1]);
+        assert_eq!(pixels([3, 2047], [1.0, 1.0]), [171, 1]);
+    }
+}
