@@ -69,7 +69,7 @@ fn dressed(argument: Arg, row: &Row) -> Arg {
     // A line of the short help has room for so much beside the longest flag.
     let in_short = if short.len() + bracket.len() <= 55 { bracket.as_str() } else { "" };
     let values = if row.is_switch() { Vec::new() } else { argument.get_possible_values() };
-    let long = format!("{}{bracket}{}", explained(&argument), listed(&values));
+    let long = format!("{}{bracket}{}", explained(&argument).trim_end_matches('.'), listed(&values));
     argument
         .help(format!("{short}{in_short}"))
         .long_help(long)
