@@ -1,7 +1,10 @@
-//! Where the points come from: files, read once, or a sampler, drawn batch by batch.
+//! Where the points come from: memory, files, or a sampler, drawn batch by batch.
 
 use std::collections::HashMap;
 use std::ops::Range;
+
+use serde_json::{Value, json};
+use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
@@ -16,6 +19,9 @@ use crate::setting::Setting;
 pub struct Source {
     subject: String,
     domain: Domain,
+    shape: EnsembleShape,
+    /// What makes these points the ones they are: equal ones are of equal points, realization by realization.
+    identity: Value,
     classes: Vec<String>,
     /// The first weight below 0, and where it stands.
     negative_weight: Option<(String, f64)>,
@@ -23,9 +29,15 @@ pub struct Source {
 }
 
 enum Kind {
-    Loaded(Ensemble),
+    Held(Ensemble),
     Process(Process),
+    Drawn(Box<Draw>),
+    /// Somewhere else: they were measured, and only that was kept.
+    Elsewhere,
 }
+
+/// Realizations of a range.
+type Draw = dyn Fn(Range<u64>) -> Result<Ensemble> + Send + Sync;
 
 impl Source {
     /// Reads the files, or prepares the sampler; resolves the domain.
@@ -41,14 +53,7 @@ impl Source {
                 return Err(Error::setting(Setting::Domain, "window", "samplers fill a torus; a window needs files"));
             }
             let domain = domain(request, dim)?;
-            let subject = format!("sampler {name}, n {n}, K {k}, seed {seed}");
-            return Ok(Self {
-                subject,
-                domain,
-                classes: Vec::new(),
-                negative_weight: None,
-                kind: Kind::Process(process),
-            });
+            return Ok(Self::sampled(process, domain));
         }
         refuse_settings_of_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
@@ -77,7 +82,60 @@ impl Source {
             [one, ..] => format!("{one} and {} more", names.len() - 1),
             [] => String::new(),
         };
-        Ok(Self { subject, domain, classes, negative_weight, kind: Kind::Loaded(ensemble) })
+        Ok(Self { subject, negative_weight, classes, ..Self::of(ensemble) })
+    }
+
+    /// Points that are there already.
+    pub fn of(ensemble: Ensemble) -> Self {
+        Self {
+            subject: "points in memory".into(),
+            domain: ensemble.domain().clone(),
+            shape: ensemble.shape(),
+            identity: json!({ "points": digest(&ensemble) }),
+            classes: Vec::new(),
+            negative_weight: None,
+            kind: Kind::Held(ensemble),
+        }
+    }
+
+    /// Realizations of a process, stretched to a domain.
+    pub fn sampled(process: Process, domain: Domain) -> Self {
+        let Process { n, dim, seed, realizations, .. } = process;
+        let name = process.sampler.name();
+        // A drawn n rarely strays far from its mean; the budget of a batch is no sharper than that.
+        let max_points = if process.sampler.fixed_n() { n } else { 2 * n + 16 };
+        let parameters: Vec<String> = process.values.canonical().collect();
+        Self {
+            subject: format!("sampler {name}, n {n}, K {realizations}, seed {seed}"),
+            domain,
+            shape: EnsembleShape { realizations, mean_points: n as f64, max_points },
+            identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
+            classes: Vec::new(),
+            negative_weight: None,
+            kind: Kind::Process(process),
+        }
+    }
+
+    /// Realizations that are made when they are asked for.
+    pub(crate) fn drawn(subject: &str, domain: Domain, shape: EnsembleShape, draw: Box<Draw>) -> Self {
+        let (identity, kind) = (Value::Null, Kind::Drawn(draw));
+        Self { subject: subject.into(), domain, shape, identity, classes: Vec::new(), negative_weight: None, kind }
+    }
+
+    /// What is known of points that are not here.
+    pub(crate) fn elsewhere(
+        subject: String,
+        domain: Domain,
+        shape: EnsembleShape,
+        classes: Vec<String>,
+        identity: Value,
+    ) -> Self {
+        Self { subject, domain, shape, identity, classes, negative_weight: None, kind: Kind::Elsewhere }
+    }
+
+    /// What makes these points the ones they are.
+    pub(crate) fn identity(&self) -> &Value {
+        &self.identity
     }
 
     /// What this is, in words.
@@ -99,14 +157,14 @@ impl Source {
     pub fn process(&self) -> Option<&Process> {
         match &self.kind {
             Kind::Process(process) => Some(process),
-            Kind::Loaded(_) => None,
+            _ => None,
         }
     }
 
     /// Whether the weights are such that pairs can be counted by them: none below 0, and two of a realization not
     /// negligible.
     pub fn check_pair_weights(&self, column: &str) -> Result<()> {
-        let Kind::Loaded(ensemble) = &self.kind else { return Ok(()) };
+        let Kind::Held(ensemble) = &self.kind else { return Ok(()) };
         if let Some((place, weight)) = &self.negative_weight {
             let reason = format!("weight {}; g and K need weights of at least 0, P does not", number(*weight));
             return Err(Error::input(place, reason));
@@ -121,33 +179,39 @@ impl Source {
 
     /// Number and size of realizations.
     pub fn shape(&self) -> EnsembleShape {
-        match &self.kind {
-            Kind::Loaded(ensemble) => {
-                let k = ensemble.realizations();
-                EnsembleShape {
-                    realizations: k as u64,
-                    mean_points: ensemble.total_points() as f64 / k as f64,
-                    max_points: (0..k).map(|k| ensemble.points_in(k) as u64).max().unwrap_or(0),
-                }
-            }
-            Kind::Process(p) => {
-                // A drawn n rarely strays far from its mean; the budget of a batch is no sharper than that.
-                let max_points = if p.sampler.fixed_n() { p.n } else { 2 * p.n + 16 };
-                EnsembleShape { realizations: p.realizations, mean_points: p.n as f64, max_points }
-            }
-        }
+        self.shape
     }
 
     /// Realizations `range`.
     pub fn batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
         match &self.kind {
-            Kind::Loaded(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),
+            Kind::Held(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),
+            Kind::Drawn(draw) => draw(range),
+            Kind::Elsewhere => {
+                let reason =
+                    "these points are not here: sums that were read know of them, and go on once they have them again";
+                Err(Error::input(&self.subject, reason))
+            }
             Kind::Process(p) => {
                 let on_unit = samplers::ensemble(p.sampler, p.n, p.dim, p.seed, range, &p.values, control)?;
                 Ok(on_unit.stretched(&self.domain))
             }
         }
     }
+}
+
+/// A digest of all integers and marks of an ensemble, realization by realization.
+fn digest(ensemble: &Ensemble) -> String {
+    let mut hash = Xxh3Default::new();
+    for k in 0..ensemble.realizations() {
+        hash.update(&(ensemble.points_in(k) as u64).to_le_bytes());
+        for axis in ensemble.fractions(k).into_iter().chain(ensemble.lengths(k)) {
+            axis.iter().for_each(|x| hash.update(&x.to_le_bytes()));
+        }
+        ensemble.weights(k).into_iter().flatten().for_each(|w| hash.update(&w.to_le_bytes()));
+        ensemble.classes(k).into_iter().flatten().for_each(|c| hash.update(&c.to_le_bytes()));
+    }
+    format!("{:032x}", hash.digest128())
 }
 
 /// The points with their weights and classes, and the names of the classes.

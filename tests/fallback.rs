@@ -3,13 +3,14 @@
 
 mod common;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::*;
 use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
-use pairwave::analysis::{self, Analysis, Plan};
-use pairwave::compute::{Compute, cpu::Cpu, reference::Reference};
+use pairwave::analysis::{self, Analysis, Measurement, Plan};
+use pairwave::compute::{Compute, Device, cpu::Cpu, reference::Reference};
 use pairwave::control::Control;
 use pairwave::plan::{LagPlan, PairPlan, WavePlan};
 use pairwave::points::Ensemble;
@@ -20,6 +21,8 @@ use pairwave::{Error, Result};
 /// A device that computes rightly, as a GPU, until its lifetime in calls is over.
 struct Mortal {
     calls_left: AtomicU64,
+    /// How often it was asked for anything.
+    asked: Arc<AtomicU64>,
     can_waves: bool,
     can_lags: bool,
     /// Adds this to every weight sum, as a GPU's f32 weights differ from those of the CPU path.
@@ -28,10 +31,11 @@ struct Mortal {
 
 impl Mortal {
     fn new(calls: u64) -> Self {
-        Self { calls_left: AtomicU64::new(calls), can_waves: true, can_lags: true, off: 0 }
+        Self { calls_left: AtomicU64::new(calls), asked: Arc::default(), can_waves: true, can_lags: true, off: 0 }
     }
 
     fn call(&self) -> Result<()> {
+        self.asked.fetch_add(1, Ordering::Relaxed);
         let spend = |left: u64| left.checked_sub(1);
         match self.calls_left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend) {
             Ok(_) => Ok(()),
@@ -92,10 +96,11 @@ fn request(arguments: &str) -> Request {
         .unwrap()
 }
 
-fn analyze(request: &Request, device: &dyn Compute) -> Result<Analysis> {
-    let source = Source::open(&request.input)?;
+fn analyze(request: &Request, compute: impl Compute + 'static) -> Result<Analysis> {
+    let source = Arc::new(Source::open(&request.input)?);
     let plan = Plan::of(request, &source)?;
-    analysis::run(request, &source, &plan, device, &Control::default(), &mut |_| ())
+    let device = Device::new(Box::new(compute), Some(2));
+    analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ())
 }
 
 #[test]
@@ -104,10 +109,10 @@ fn a_device_lost_in_the_middle_is_replaced_and_named() {
     let request = request(
         "--sampler random -n 4 -k 10000 --stats pcf,pcf-vector,spectrum --bins 8 --lag-bins 4 --max-frequency 2 --accuracy high",
     );
-    let truth = analyze(&request, &Cpu::new(Some(2)).unwrap()).unwrap();
+    let truth = analyze(&request, Cpu::new(Some(2)).unwrap()).unwrap();
     assert!(truth.warnings.is_empty());
     for calls in 0..=4 {
-        let found = analyze(&request, &Mortal::new(calls)).unwrap();
+        let found = analyze(&request, Mortal::new(calls)).unwrap();
         assert_eq!(found.pair_correlation(), truth.pair_correlation(), "after {calls} calls");
         assert_eq!(found.vector(), truth.vector(), "after {calls} calls");
         let (p, q) = (&found.spectrum().unwrap().p, &truth.spectrum().unwrap().p);
@@ -124,11 +129,11 @@ fn a_device_lost_in_the_middle_is_replaced_and_named() {
 fn what_a_device_does_not_do_is_done_on_the_cpu_and_named() {
     let request = request("--sampler random -n 30 -k 3 --stats pcf,spectrum --max-frequency 3");
     let device = Mortal { can_waves: false, ..Mortal::new(100) };
-    let found = analyze(&request, &device).unwrap();
+    let found = analyze(&request, device).unwrap();
     assert!(found.warnings.contains(&"mortal knows no waves; done on the native CPU path".to_string()), "{found:?}");
     assert_eq!(found.computed_by.backends, [Backend::Gpu, Backend::Cpu]);
     let device = Mortal { can_lags: false, ..Mortal::new(100) };
-    let found = analyze(&self::request("--sampler random -n 30 -k 3 --stats pcf-vector"), &device).unwrap();
+    let found = analyze(&self::request("--sampler random -n 30 -k 3 --stats pcf-vector"), device).unwrap();
     assert!(found.warnings.contains(&"mortal knows no lags; done on the native CPU path".to_string()), "{found:?}");
 }
 
@@ -142,10 +147,10 @@ fn a_device_lost_between_classes_leaves_no_mixture() {
     std::fs::write(&path, format!("x,y,kind\n{}", rows.join("\n"))).unwrap();
     let request =
         request(&format!("{} --window 0,1,0,1 --class-column kind --stats pcf --bins 5 --r-max 0.4", path.display()));
-    let truth = analyze(&request, &Cpu::new(Some(1)).unwrap()).unwrap();
+    let truth = analyze(&request, Cpu::new(Some(1)).unwrap()).unwrap();
     let truth = truth.cross().unwrap();
     for calls in 0..=4 {
-        let found = analyze(&request, &Mortal { off: 1 << 20, ..Mortal::new(calls) }).unwrap();
+        let found = analyze(&request, Mortal { off: 1 << 20, ..Mortal::new(calls) }).unwrap();
         let found = found.cross().unwrap();
         let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4 * (1.0 + b));
         assert!(near(&found.between.g, &truth.between.g), "after {calls} calls: {:?}", found.between.g);
@@ -156,13 +161,13 @@ fn a_device_lost_between_classes_leaves_no_mixture() {
 #[test]
 fn cancelling_ends_with_nothing() {
     let request = request("--sampler random -n 30 -k 50000");
-    let source = Source::open(&request.input).unwrap();
+    let source = Arc::new(Source::open(&request.input).unwrap());
     let plan = Plan::new(&request, source.domain(), source.shape()).unwrap();
     let control = Control::default();
-    let cpu = Cpu::new(Some(1)).unwrap();
+    let cpu = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None);
     let mut stages = 0;
     // Asked to stop in the middle of the second batch.
-    let result = analysis::run(&request, &source, &plan, &cpu, &control, &mut |progress| {
+    let result = analysis::run(&request, source, plan, &cpu, &control, &mut |progress| {
         stages += 1;
         if progress.done > 0 && progress.stage == "wave_power" {
             control.cancel();
@@ -185,4 +190,31 @@ fn a_plan_is_a_value_that_prints() {
     let e = ensemble(&[uniform(2, 50, 1)]);
     let pairs = pair_plan(&e, pairwave::plan::RadialBins::linear(0.5, 8).unwrap(), pairwave::plan::Correction::None);
     assert_eq!(pairs, pairs.clone());
+}
+
+/// A device that fails while the measurement is looked at stays failed, and is asked no more.
+#[test]
+fn a_device_lost_while_realizations_come_in_is_replaced_for_good() {
+    let line = "--sampler random -n 20 -k 200 --stats pcf,spectrum --bins 8 --max-frequency 2 --accuracy high";
+    let request = request(line);
+    let truth = analyze(&request, Cpu::new(Some(2)).unwrap()).unwrap();
+    let mortal = Mortal::new(3);
+    let asked = mortal.asked.clone();
+    let device = Device::new(Box::new(mortal), Some(2));
+    let mut measurement = Measurement::live(&request, &device).unwrap();
+    while measurement.step(&device, &Control::default()).unwrap() {}
+    let found = measurement.analysis().unwrap();
+    assert_eq!(found.pair_correlation(), truth.pair_correlation());
+    let (p, q) = (&found.spectrum().unwrap().p, &truth.spectrum().unwrap().p);
+    assert!(p.iter().zip(q).all(|(p, q)| (p - q).abs() < 1e-12));
+    assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
+    assert!(found.warnings[0].ends_with("continued on the native CPU path"), "{:?}", found.warnings);
+    let before = asked.load(Ordering::Relaxed);
+    // Other settings, and another measurement on the same device: it is not asked again, and both say so.
+    let other = self::request(&format!("{line} --seed 2"));
+    let mut again = Measurement::live(&other, &device).unwrap();
+    while again.step(&device, &Control::default()).unwrap() {}
+    assert_eq!(asked.load(Ordering::Relaxed), before);
+    assert_eq!(again.analysis().unwrap().warnings, found.warnings);
+    assert_eq!(again.analysis().unwrap().computed_by.backends, [Backend::Cpu]);
 }

@@ -4,10 +4,11 @@ mod common;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use clap::Parser;
-use pairwave::analysis::{self, Analysis, Plan, Running};
-use pairwave::compute::cpu::Cpu;
+use pairwave::analysis::{self, Analysis, Measurement, Plan};
+use pairwave::compute::{Device, cpu::Cpu};
 use pairwave::control::Control;
 use pairwave::report;
 use pairwave::request::Request;
@@ -23,6 +24,10 @@ fn request(line: &str) -> Request {
     Arguments::try_parse_from(std::iter::once("pairwave").chain(line.split_whitespace())).unwrap().request
 }
 
+fn device() -> Device {
+    Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2))
+}
+
 /// All files of numbers.
 fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
     let dir = tempfile::tempdir().unwrap();
@@ -33,15 +38,15 @@ fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 }
 
 fn at_once(line: &str) -> BTreeMap<String, Vec<u8>> {
-    let (request, cpu) = (request(line), Cpu::new(Some(2)).unwrap());
-    let source = Source::open(&request.input).unwrap();
-    let plan = Plan::of(&request, &source).unwrap().for_device(&cpu);
-    files(&analysis::run(&request, &source, &plan, &cpu, &Control::default(), &mut |_| ()).unwrap())
+    let (request, cpu) = (request(line), device());
+    let source = Arc::new(Source::open(&request.input).unwrap());
+    let plan = Plan::of(&request, &source).unwrap().for_device(cpu.compute());
+    files(&analysis::run(&request, source, plan, &cpu, &Control::default(), &mut |_| ()).unwrap())
 }
 
-fn finish(running: &mut Running, cpu: &Cpu) -> BTreeMap<String, Vec<u8>> {
-    while running.step(cpu, &Control::default()).unwrap() {}
-    files(&running.analysis().unwrap())
+fn finish(measurement: &mut Measurement, cpu: &Device) -> BTreeMap<String, Vec<u8>> {
+    while measurement.step(cpu, &Control::default()).unwrap() {}
+    files(&measurement.analysis().unwrap())
 }
 
 fn assert_same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
@@ -55,53 +60,53 @@ const ALL: &str = "--sampler thomas -n 100 --seed 3 --stats pcf,pcf-vector,spect
 
 #[test]
 fn steps_end_with_the_bytes_of_the_whole() {
-    let cpu = Cpu::new(Some(2)).unwrap();
+    let cpu = device();
     for k in [1, 5, 16, 37] {
         let line = format!("{ALL} -k {k}");
-        let mut running = Running::new(request(&line), &cpu).unwrap();
+        let mut measurement = Measurement::live(&request(&line), &cpu).unwrap();
         let mut seen = 0;
-        while running.step(&cpu, &Control::default()).unwrap() {
-            let status = running.status();
+        while measurement.step(&cpu, &Control::default()).unwrap() {
+            let status = measurement.status();
             let done = status.tracks.iter().map(|t| t.done).sum::<u64>();
             assert!(done > seen, "every step adds");
             seen = done;
-            assert!(running.analysis().unwrap().spectrum().is_some() || status.tracks[2].done == 0);
+            assert!(measurement.analysis().unwrap().spectrum().is_some() || status.tracks[2].done == 0);
         }
-        assert_same(&files(&running.analysis().unwrap()), &at_once(&line));
+        assert_same(&files(&measurement.analysis().unwrap()), &at_once(&line));
     }
 }
 
 #[test]
 fn more_realizations_are_added_to_those_there() {
-    let cpu = Cpu::new(Some(2)).unwrap();
+    let cpu = device();
     let line = |k| format!("--sampler jittered -n 100 --stats pcf,spectrum,covariance --max-frequency 12 -k {k}");
-    let mut running = Running::new(request(&line(5)), &cpu).unwrap();
-    finish(&mut running, &cpu);
+    let mut measurement = Measurement::live(&request(&line(5)), &cpu).unwrap();
+    finish(&mut measurement, &cpu);
     for k in [21, 40] {
-        let before = running.status().tracks[0].done;
-        running.change(request(&line(k)), &cpu).unwrap();
-        assert!(running.status().tracks.iter().all(|t| t.kept == before), "{:?}", running.status());
-        assert_same(&finish(&mut running, &cpu), &at_once(&line(k)));
+        let before = measurement.status().tracks[0].done;
+        measurement.change(&request(&line(k)), &cpu).unwrap();
+        assert!(measurement.status().tracks.iter().all(|t| t.kept == before), "{:?}", measurement.status());
+        assert_same(&finish(&mut measurement, &cpu), &at_once(&line(k)));
     }
-    running.change(request(&line(7)), &cpu).unwrap();
-    assert!(running.status().tracks.iter().all(|t| t.kept == 0), "sums cannot be taken apart");
-    assert_same(&finish(&mut running, &cpu), &at_once(&line(7)));
+    measurement.change(&request(&line(7)), &cpu).unwrap();
+    assert!(measurement.status().tracks.iter().all(|t| t.kept == 0), "sums cannot be taken apart");
+    assert_same(&finish(&mut measurement, &cpu), &at_once(&line(7)));
 }
 
 #[test]
 fn a_change_touches_only_its_own_sums() {
-    let cpu = Cpu::new(Some(2)).unwrap();
+    let cpu = device();
     let line = |rest: &str| format!("--sampler jittered -n 100 -k 20 {rest}");
     let first = line("--stats pcf,spectrum,neighbors --max-frequency 12");
-    let mut running = Running::new(request(&first), &cpu).unwrap();
-    finish(&mut running, &cpu);
+    let mut measurement = Measurement::live(&request(&first), &cpu).unwrap();
+    finish(&mut measurement, &cpu);
     let mut expect = |rest: &str, kept: &[u64], rebinned: bool| {
         let line = line(rest);
-        running.change(request(&line), &cpu).unwrap();
-        let status = running.status();
+        measurement.change(&request(&line), &cpu).unwrap();
+        let status = measurement.status();
         assert_eq!(status.tracks.iter().map(|t| t.kept).collect::<Vec<_>>(), kept, "{line}");
         assert_eq!(status.tracks.iter().any(|t| t.rebinned), rebinned, "{line}");
-        assert_same(&finish(&mut running, &cpu), &at_once(&line));
+        assert_same(&finish(&mut measurement, &cpu), &at_once(&line));
     };
     expect("--stats pcf,spectrum --max-frequency 14", &[20, 0], false);
     expect("--stats pcf,spectrum --max-frequency 14 --normalization intensity", &[20, 20], false);
@@ -116,13 +121,20 @@ fn a_change_touches_only_its_own_sums() {
 }
 
 #[test]
-fn what_needs_all_realizations_is_refused() {
-    let cpu = Cpu::new(Some(2)).unwrap();
-    for (line, setting) in [
-        ("--sampler random -n 50 -k 3 --stats pcf --kernel gaussian --bandwidth lscv", "bandwidth "),
-        ("--sampler random -n 50 -k 3 --stats pcf --envelope 19", "envelope "),
-    ] {
-        let error = Running::new(request(line), &cpu).err().unwrap().to_string();
-        assert!(error.starts_with(setting), "{error}");
-    }
+fn envelopes_are_refused_while_realizations_come_in() {
+    let line = "--sampler random -n 50 -k 3 --stats pcf --envelope 19";
+    let error = Measurement::live(&request(line), &device()).err().unwrap().to_string();
+    assert!(error.starts_with("envelope "), "{error}");
+}
+
+/// A bandwidth by cross-validation is found once all realizations are in; until then there is no smoothed g.
+#[test]
+fn a_bandwidth_is_found_at_the_end() {
+    let line = "--sampler thomas -n 80 -k 20 --stats pcf --kernel epanechnikov --bandwidth lscv";
+    let cpu = device();
+    let mut measurement = Measurement::live(&request(line), &cpu).unwrap();
+    measurement.step(&cpu, &Control::default()).unwrap();
+    measurement.step(&cpu, &Control::default()).unwrap();
+    assert!(measurement.analysis().unwrap().kernel().is_none());
+    assert_same(&finish(&mut measurement, &cpu), &at_once(line));
 }

@@ -9,10 +9,11 @@ mod common;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use common::*;
 use pairwave::analysis::{self, Analysis, Plan};
-use pairwave::compute::cpu::Cpu;
+use pairwave::compute::{Device, cpu::Cpu};
 use pairwave::control::Control;
 use pairwave::display::{self, Axis, AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap, overlays};
 use pairwave::estimate::PowerSpectrum;
@@ -36,7 +37,8 @@ fn analyze(arguments: &str) -> Analysis {
     let request = request(arguments);
     let source = Source::open(&request.input).unwrap();
     let plan = Plan::of(&request, &source).unwrap();
-    analysis::run(&request, &source, &plan, &Cpu::new(None).unwrap(), &Control::default(), &mut |_| ()).unwrap()
+    let device = Device::new(Box::new(Cpu::new(None).unwrap()), None);
+    analysis::run(&request, Arc::new(source), plan, &device, &Control::default(), &mut |_| ()).unwrap()
 }
 
 /// Everything a panel may show.

@@ -1,62 +1,49 @@
 //! Envelopes: the same measurement on complete spatial randomness, many times.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
-use super::Estimates;
-use super::measure::{Input, Measured, measure};
-use crate::compute::WithFallback;
-use crate::control::Control;
-use crate::control::{Clock, Progress};
+use super::Measurement;
+use crate::compute::Device;
+use crate::control::{Control, Progress};
 use crate::error::Result;
-use crate::estimate::{Curve, Envelope, Envelopes, Normalization};
+use crate::estimate::{Analysis, Curve, Envelope, Envelopes};
 use crate::points::{Domain, Ensemble, RawPoints};
 use crate::samplers::{self, ParameterValues, Realization};
+use crate::source::Source;
+use crate::statistics::ROOMS;
 
 /// Every estimated function that has an envelope.
-fn curves(estimates: &Estimates) -> Vec<Curve> {
-    let g = estimates.pair_correlation.as_ref();
-    let k = estimates.k_function.as_ref();
-    let kernel = estimates.kernel.as_ref();
-    let functions = estimates.neighbors.as_ref().map(|n| &n.functions);
-    let defined = |values: &[Option<f64>]| values.iter().map(|v| v.unwrap_or(f64::NAN)).collect();
-    let curves = [
-        g.map(|g| Curve { name: "g", r: g.r.clone(), values: g.g.clone() }),
-        kernel.map(|k| Curve { name: "g_kernel", r: k.r.clone(), values: defined(&k.g) }),
-        k.map(|k| Curve { name: "k", r: k.r.clone(), values: k.k.clone() }),
-        k.map(|k| Curve { name: "l_minus_r", r: k.r.clone(), values: k.l_minus_r.clone() }),
-        functions.map(|n| Curve { name: "neighbor_g", r: n.r.clone(), values: defined(&n.g) }),
-        functions.map(|n| Curve { name: "neighbor_f", r: n.r.clone(), values: defined(&n.f) }),
-    ];
-    curves.into_iter().flatten().collect()
+fn curves(found: &Analysis) -> Vec<Curve> {
+    ROOMS.iter().flat_map(|room| room.curves(found)).collect()
 }
 
 /// Simulates what was measured: independent uniform points in the same domain, as many in each realization. A bandwidth
 /// found by cross-validation is found anew, so that all curves are treated alike. Simulation s of N takes sampler `random` with
 /// seed 2^64 - s, on the scale of the domain.
-pub(super) fn envelopes(
-    observed: &Measured<'_>,
-    estimates: &Estimates,
-    normalization: Normalization,
-    device: &mut WithFallback<'_>,
+pub(super) async fn envelopes(
+    observed: &Measurement,
+    found: &Analysis,
+    device: &Device,
     control: &Control,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Envelopes> {
     let simulations = observed.plan.simulations;
-    let (plan, domain) = (observed.plan.of_simulations(), observed.first.domain());
-    let observed_curves = curves(estimates);
+    let (plan, domain) = (observed.plan.of_simulations(), observed.source.domain());
+    let sizes: Arc<[u64]> = observed.sizes.values().copied().collect();
+    let observed_curves = curves(found);
     let mut simulated = vec![Vec::new(); observed_curves.len()];
     for s in 0..simulations {
         progress(Progress { stage: "envelope", done: s, total: simulations });
-        let input = Input {
-            subject: "simulation",
-            realizations: observed.sizes.len() as u64,
-            batch: &|range| {
-                random(domain, u64::MAX - s, range.start, &observed.sizes[range.start as usize..range.end as usize])
-            },
-            normalization,
+        let (of, n) = (domain.clone(), sizes.clone());
+        let draw = move |range: std::ops::Range<u64>| {
+            random(&of, u64::MAX - s, range.start, &n[range.start as usize..range.end as usize])
         };
-        let measured = measure(&plan, &input, device, control, &mut Clock::default(), &mut |_, _| ())?;
-        let curves = curves(&Estimates::new(&measured, normalization));
+        let source = Source::drawn("simulation", domain.clone(), observed.shape(), Box::new(draw));
+        let mut simulation = Measurement::new(observed.request.clone(), Arc::new(source), plan.clone());
+        while simulation.advance(device, control, &mut |_| ()).await? {}
+        let curves = simulation.estimates().map_or(Vec::new(), |found| curves(&found));
         simulated.iter_mut().zip(curves).for_each(|(all, curve)| all.push(curve.values));
     }
     let curves = observed_curves.into_iter().zip(simulated).map(|(curve, all)| Envelope::new(curve, &all)).collect();

@@ -1,9 +1,10 @@
 //! `pairwave analyze`
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use pairwave::analysis::{self, Plan};
-use pairwave::compute::cpu::check_threads;
+use pairwave::compute::{Device, cpu::check_threads};
 use pairwave::request::{Request, shell_words};
 use pairwave::source::Source;
 use pairwave::{Result, report};
@@ -47,19 +48,18 @@ impl Analyze {
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         let control = stop_on_interrupt()?;
-        let source = Source::open(&self.request.input)?;
+        let source = Arc::new(Source::open(&self.request.input)?);
         let plan = Plan::of(&self.request, &source)?;
-        let device = pairwave::compute::open(self.request.device, self.request.threads)?;
-        if let Some(note) = device.note.filter(|_| !self.quiet) {
+        let device = Device::open(self.request.device, self.request.threads)?;
+        if let Some(note) = device.note().filter(|_| !self.quiet) {
             eprintln!("note: {note}");
         }
-        let plan = plan.for_device(device.compute.as_ref());
+        let plan = plan.for_device(device.compute());
         let Some(out) = out else {
-            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.compute.computed_by().device()));
+            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.computed_by().device()));
         };
         let bar = Bar::new(self.quiet);
-        let mut analysis =
-            analysis::run(&self.request, &source, &plan, device.compute.as_ref(), &control, &mut |p| bar.show(p))?;
+        let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
         bar.finish();
         analysis.parameters.push(("command".into(), command_line()));
         let files = uninterrupted(|| report::write(out, &analysis, self.force))?;

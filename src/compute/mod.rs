@@ -7,15 +7,14 @@ mod binned_kernel;
 pub(crate) mod cells;
 mod compensated;
 pub mod cpu;
-mod fallback;
+mod device;
 pub mod gpu;
 pub mod neighbors;
-mod open;
 pub mod reference;
 
 pub use binned_kernel::kernel_sums as binned_kernel_sums;
-pub(crate) use fallback::WithFallback;
-pub use open::{Opened, open};
+pub use device::Device;
+pub(crate) use device::Work;
 
 use crate::accumulate::{ComputedBy, KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;

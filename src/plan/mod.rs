@@ -24,6 +24,7 @@ mod wave_road;
 mod wave_sectors;
 mod wave_vectors;
 
+pub use crate::points::EnsembleShape;
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
 pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
@@ -50,17 +51,6 @@ pub use wave_road::{ProductCosts, RoadEstimate, WaveCosts, WaveRoad};
 pub use wave_sectors::{DEFAULT_SECTORS, MAX_SECTORS, Sectors};
 pub use wave_vectors::{WaveList, WaveVectors};
 
-/// Number of points per realization, as far as a plan must know it.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct EnsembleShape {
-    /// Number of realizations.
-    pub realizations: u64,
-    /// Mean number of points per realization.
-    pub mean_points: f64,
-    /// Largest number of points in any realization (expected, where the sampler draws it).
-    pub max_points: u64,
-}
-
 /// Realizations per leaf. Shards cut at multiples of this merge to the bytes of the whole run.
 pub const LEAF: u64 = 16;
 
@@ -76,20 +66,11 @@ pub struct Batch {
     pub bytes_each: u64,
 }
 
-impl EnsembleShape {
-    /// Of realizations with so many points.
-    pub fn of(sizes: &[u64]) -> Self {
-        Self {
-            realizations: sizes.len() as u64,
-            mean_points: sizes.iter().sum::<u64>() as f64 / sizes.len() as f64,
-            max_points: sizes.iter().copied().max().unwrap_or(0),
-        }
-    }
-}
-
 impl Batch {
-    /// Of a plan that was not made to be carried out.
-    pub(crate) const NONE: Self = Self { realizations: 0, bytes_each: 0 };
+    /// Of what takes no memory.
+    pub(crate) fn all(shape: EnsembleShape) -> Self {
+        Self::new(shape.realizations, 0)
+    }
 
     /// Whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most 4096 realizations, so
     /// that progress and cancellation stay lively.

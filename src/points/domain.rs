@@ -67,6 +67,14 @@ impl Domain {
         Ok(Self { boundary, origin, sides })
     }
 
+    /// What `boundary`, `origin` and `sides` of another domain say.
+    pub(crate) fn from_numbers(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>) -> Result<Self> {
+        if origin.len() != sides.len() {
+            return Err(Error::input("domain", "has another number of corners than of sides"));
+        }
+        Self::checked(boundary, origin, sides, Setting::Sides, "1 to 3 numbers")
+    }
+
     /// Torus or window.
     pub fn boundary(&self) -> Boundary {
         self.boundary

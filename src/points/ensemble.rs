@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::fixed_point::{fixed_point, scale_to_period};
-use super::{Domain, RawPoints};
+use super::{Domain, EnsembleShape, RawPoints};
 use crate::error::{Error, Result, number};
 
 /// Realizations of one point process in one domain, as fixed-point fractions, checked once and never changed.
@@ -93,8 +93,7 @@ impl Ensemble {
         let below = 2f64.powi(libm::ilogb(largest).clamp(-1022, 1023));
         let units = if below < largest { 0.5 } else { 1.0 };
         let scaled: Vec<f64> = weights.iter().map(|w| w / below * units).collect();
-        let mass = |w: &f64| (w.max(0.0) * f64::from(UNIT_MASS)).round_ties_even() as u32;
-        self.masses = Some(scaled.iter().map(mass).collect());
+        self.masses = Some(masses(&scaled));
         self.weights = Some(scaled);
         self
     }
@@ -183,9 +182,33 @@ impl Ensemble {
         self.weights.as_ref().map(|w| &w[self.range(k)])
     }
 
+    /// The class of each point of realization `k`; `None` where there is only one.
+    pub fn classes(&self, k: usize) -> Option<&[u32]> {
+        self.classes.as_ref().map(|c| &c[self.range(k)])
+    }
+
     /// The sum of squared weights of realization `k`, which `|s_m|^2` is compared with: n where every point weighs 1.
     pub fn norm(&self, k: usize) -> f64 {
         self.weights(k).map_or(self.points_in(k) as f64, |w| w.iter().map(|w| w * w).sum())
+    }
+
+    /// Number and size of the realizations held here.
+    pub fn shape(&self) -> EnsembleShape {
+        EnsembleShape::of(&self.offsets.windows(2).map(|w| (w[1] - w[0]) as u64).collect::<Vec<_>>())
+    }
+
+    /// One realization of integers that were an ensemble's before.
+    pub(crate) fn from_integers(
+        domain: Domain,
+        index: u64,
+        fractions: Vec<Vec<u64>>,
+        lengths: Option<Vec<Vec<u64>>>,
+        weights: Option<Vec<f64>>,
+        classes: Option<Vec<u32>>,
+    ) -> Self {
+        let offsets = vec![0, fractions[0].len()];
+        let masses = weights.as_deref().map(masses);
+        Self { domain, first_index: index, offsets, fractions, lengths, weights, masses, classes }
     }
 
     /// Position of point `j` of realization `k` in the domain's own units.
@@ -236,6 +259,11 @@ impl Ensemble {
         };
         (0..self.realizations()).into_par_iter().map(in_realization).sum()
     }
+}
+
+/// Weights in steps of 2^-24.
+fn masses(weights: &[f64]) -> Vec<u32> {
+    weights.iter().map(|w| (w.max(0.0) * f64::from(UNIT_MASS)).round_ties_even() as u32).collect()
 }
 
 /// `x` as a fraction of its side: in [0, 1) on a torus (1 where folding rounds up to it, which is 0 again), in [0, 1] in a

@@ -5,11 +5,13 @@ mod ensemble;
 mod fixed_point;
 pub mod geometry;
 pub mod read;
+mod shape;
 pub mod write;
 
 pub use domain::{Boundary, Domain};
 pub use ensemble::{Ensemble, UNIT_MASS};
 pub(crate) use fixed_point::round32;
+pub use shape::EnsembleShape;
 
 /// Points as a reader or a sampler delivers them, before the domain is known.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,11 +8,11 @@ use super::html::color_bar;
 use super::{npy, png, points_picture, svg};
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
-use crate::statistics::{Array, Make, Output, SECTIONS, Section};
+use crate::statistics::{Array, Make, Output, ROOMS, Room};
 
 /// Every room, and the points last.
-pub(super) fn sections() -> impl DoubleEndedIterator<Item = &'static dyn Section> {
-    SECTIONS.iter().copied().chain([&points_picture::Shown as &dyn Section])
+pub(super) fn sections() -> impl DoubleEndedIterator<Item = &'static dyn Room> {
+    ROOMS.iter().copied().chain([&points_picture::Here as &dyn Room])
 }
 
 /// Every file there may be, in the order in which they are written.

@@ -8,12 +8,12 @@ use super::svg::{WIDTH, fine, frame, heading, hex, label, picture, thin};
 use crate::display::figure::BLUE;
 use crate::display::{escape, human, ticks};
 use crate::estimate::Analysis;
-use crate::statistics::{Make, Output, Place, Section, Svg, Turn};
+use crate::statistics::{Make, Output, Place, Room, Svg, Turn};
 
 /// The points in a report.
-pub(super) struct Shown;
+pub(super) struct Here;
 
-impl Section for Shown {
+impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             let caption = |a: &Analysis, _: &str| Some(format!("The {}.", escape(&caption(a))));

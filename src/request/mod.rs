@@ -19,6 +19,7 @@ use crate::points::read::RawLayout;
 
 pub use device::DeviceChoice;
 pub(crate) use idle::{refuse_idle_settings, refuse_settings_of_samplers, refuse_unknown_to_convention};
+pub(crate) use lists::Lists;
 pub use settings::{Group, Row, SETTINGS};
 #[cfg(feature = "cli")]
 pub use typed::{dress, help};

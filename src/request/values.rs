@@ -281,15 +281,21 @@ impl Request {
     /// The request with another value of a setting, or with none if `text` is empty. Several files or parameters are not
     /// one text: they are fields of `input`.
     pub fn with(&self, setting: Setting, text: &str) -> Result<Self> {
-        let Some(row) = setting.row() else { return Err(Error::setting(setting, text, "is in no request")) };
         let mut with = self.clone();
-        let field = (row.get_mut)(&mut with);
+        with.set(setting, text)?;
+        with.check_together()?;
+        Ok(with)
+    }
+
+    /// Takes another value of a setting, whether it goes together with the others or not.
+    pub(crate) fn set(&mut self, setting: Setting, text: &str) -> Result<()> {
+        let Some(row) = setting.row() else { return Err(Error::setting(setting, text, "is in no request")) };
+        let field = (row.get_mut)(self);
         match text.trim() {
             "" => field.unset(),
             text => field.set(text).map_err(|reason| Error::setting(setting, text, reason))?,
         }
-        with.check_together()?;
-        Ok(with)
+        Ok(())
     }
 
     /// Whether what is given goes together, as the command line checks it too.

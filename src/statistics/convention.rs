@@ -2,14 +2,20 @@
 
 use serde::Serialize;
 
-use super::{Keys, Section};
+use super::group::{Ask, Parts};
+use super::{Keys, Room, psa};
+use crate::error::Result;
 use crate::estimate::{Analysis, PsaStatistics};
 use crate::plan::Convention;
 
 /// The convention in a report.
-pub(crate) struct Shown;
+pub(crate) struct Here;
 
-impl Section for Shown {
+impl Room for Here {
+    fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+        psa::plan(ask, parts)
+    }
+
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
         keys.add("convention", &convention(a))
     }

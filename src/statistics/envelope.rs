@@ -4,15 +4,15 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::{Keys, Output, Section, Table};
+use super::{Keys, Output, Room, Table};
 use crate::display::figure::{GREY, Layer, band_runs};
 use crate::display::{Interval, human};
 use crate::estimate::{Analysis, Envelope};
 
 /// Envelopes in a report.
-pub(crate) struct Shown;
+pub(crate) struct Here;
 
-impl Section for Shown {
+impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const { &[Output::table("envelope.csv", table)] }
     }

@@ -1,15 +1,20 @@
-//! One room per group of sums, with all that a report shows of it: tables, arrays, pictures with their captions, its part of
-//! `summary.json`, its scalars and what its error bars are.
+//! One room per statistic, with all that there is to it: the groups of sums it is read off (their part of the request, plan,
+//! sums, identity, estimates, warnings), and what a report shows of it (tables, arrays, pictures with their captions, its part
+//! of `summary.json`, its scalars and what its error bars are).
+//!
+//! A new statistic is a room here, one line of `ROOMS`, and its stems in compute, accumulate and estimate.
 
 mod convention;
 mod covariance;
 mod envelope;
+pub(crate) mod group;
 mod keys;
 mod lags;
 mod layers;
 mod neighbors;
 mod output;
 mod pairs;
+mod psa;
 mod table;
 pub(crate) mod waves;
 
@@ -17,13 +22,25 @@ pub(crate) use keys::Keys;
 pub(crate) use output::{Array, Bar, Image, Make, Output, Place, Svg, Turn, Values};
 pub(crate) use table::Table;
 
-use crate::estimate::Analysis;
+use crate::error::Result;
+use crate::estimate::{Analysis, Curve};
+use group::{Ask, Parts};
 
 /// A name and a value, both HTML.
 pub(crate) type Row = (String, String);
 
-/// What a room shows in a report; nothing of what was not measured.
-pub(crate) trait Section: Sync {
+/// What a room measures, and what it shows in a report; nothing of what was not measured.
+pub(crate) trait Room: Sync {
+    /// Adds the plans of its groups of sums, if they are asked for.
+    fn plan(&self, _: &Ask<'_>, _: &mut Parts) -> Result<()> {
+        Ok(())
+    }
+
+    /// Every estimated function of it that has an envelope.
+    fn curves(&self, _: &Analysis) -> Vec<Curve> {
+        Vec::new()
+    }
+
     /// The files it may write; their pictures stand in the page in this order.
     fn outputs(&self) -> &'static [Output] {
         &[]
@@ -61,15 +78,8 @@ pub(crate) trait Section: Sync {
 }
 
 /// Every room, in the order of the page and of the summary.
-pub(crate) const SECTIONS: &[&dyn Section] = &[
-    &pairs::Shown,
-    &envelope::Shown,
-    &lags::Shown,
-    &waves::Shown,
-    &covariance::Shown,
-    &convention::Shown,
-    &neighbors::Shown,
-];
+pub(crate) const ROOMS: &[&dyn Room] =
+    &[&pairs::Here, &envelope::Here, &lags::Here, &waves::Here, &covariance::Here, &convention::Here, &neighbors::Here];
 
 /// What an error across realizations is.
 fn across(a: &Analysis, what: &str) -> String {

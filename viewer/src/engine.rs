@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use pairwave::analysis::{Analysis, Running, Status};
-use pairwave::compute::Compute;
+use pairwave::analysis::{Analysis, Measurement, Status};
+use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::request::DeviceChoice;
 use pairwave::request::Request;
@@ -44,25 +44,23 @@ pub struct Engine {
     jobs: BTreeMap<SetId, Job>,
     /// Sets that wait, with what they have.
     held: BTreeSet<SetId>,
-    devices: Vec<Device>,
+    devices: Vec<Opened>,
     /// The set that the last step was of.
     last: SetId,
     generation: u64,
 }
 
-struct Device {
+struct Opened {
     of: (DeviceChoice, Option<usize>),
-    compute: Arc<dyn Compute>,
-    /// Why it is this one, if that needs a word.
-    note: Option<String>,
+    device: Arc<Device>,
 }
 
 struct Job {
     request: Request,
     /// Not planned yet.
     changed: bool,
-    running: Option<Running>,
-    device: Option<(Arc<dyn Compute>, Option<String>)>,
+    measurement: Option<Measurement>,
+    device: Option<Arc<Device>>,
     shown: Option<Instant>,
     /// Nothing is left to do, or it failed.
     idle: bool,
@@ -74,7 +72,7 @@ impl Engine {
         let job = self.jobs.entry(id).or_insert_with(|| Job {
             request: request.clone(),
             changed: true,
-            running: None,
+            measurement: None,
             device: None,
             shown: None,
             idle: false,
@@ -136,17 +134,17 @@ impl Engine {
         let snapshot = (!cancelled && (ended || due)).then(|| {
             self.generation += 1;
             job.shown = Some(Instant::now());
-            let running = job.running.as_ref();
-            let analysis = running.and_then(Running::analysis).map(Arc::new);
+            let measurement = job.measurement.as_ref();
+            let analysis = measurement.and_then(Measurement::analysis).map(Arc::new);
             // A device that failed on the way has others finish its work.
-            let device = job.device.as_ref().map(|(compute, note)| {
-                let by = analysis.as_ref().map_or_else(|| compute.computed_by(), |a| a.computed_by.clone()).device();
-                note.as_ref().map_or(by.clone(), |note| format!("{by} ({note})"))
+            let device = job.device.as_ref().map(|device| {
+                let by = analysis.as_ref().map_or_else(|| device.computed_by(), |a| a.computed_by.clone()).device();
+                device.note().map_or(by.clone(), |note| format!("{by} ({note})"))
             });
             Snapshot {
                 request: job.request.clone(),
                 analysis,
-                status: running.map(Running::status),
+                status: measurement.map(Measurement::status),
                 done: matches!(more, Ok(false)),
                 error: more.as_ref().err().map(|e| e.told(Setting::flag)),
                 setting: match more {
@@ -164,39 +162,38 @@ impl Engine {
     fn step_of(&mut self, job: &mut Job, control: &Control) -> Result<bool> {
         if job.changed {
             job.changed = false;
-            let (compute, note) = match self.device(&job.request) {
+            let device = match self.device(&job.request) {
                 Ok(found) => found,
                 Err(error) => {
-                    job.running = None;
+                    job.measurement = None;
                     return Err(error);
                 }
             };
-            job.device = Some((compute.clone(), note));
-            let planned = match &mut job.running {
-                Some(running) => running.change(job.request.clone(), compute.as_ref()),
-                None => Running::new(job.request.clone(), compute.as_ref()).map(|new| job.running = Some(new)),
+            job.device = Some(device.clone());
+            let planned = match &mut job.measurement {
+                Some(measurement) => measurement.change(&job.request, &device),
+                None => Measurement::live(&job.request, &device).map(|new| job.measurement = Some(new)),
             };
             if let Err(error) = planned {
                 // What was measured under other settings is not what is asked for.
-                job.running = None;
+                job.measurement = None;
                 return Err(error);
             }
         }
-        match (&mut job.running, &job.device) {
-            (Some(running), Some((compute, _))) => running.step(compute.as_ref(), control),
+        match (&mut job.measurement, &job.device) {
+            (Some(measurement), Some(device)) => measurement.step(device, control),
             _ => Ok(false),
         }
     }
 
     /// Devices are opened once.
-    fn device(&mut self, request: &Request) -> Result<(Arc<dyn Compute>, Option<String>)> {
+    fn device(&mut self, request: &Request) -> Result<Arc<Device>> {
         let of = (request.device, request.threads);
         if let Some(known) = self.devices.iter().find(|d| d.of == of) {
-            return Ok((known.compute.clone(), known.note.clone()));
+            return Ok(known.device.clone());
         }
-        let opened = pairwave::compute::open(request.device, request.threads)?;
-        let compute: Arc<dyn Compute> = opened.compute.into();
-        self.devices.push(Device { of, compute: compute.clone(), note: opened.note.clone() });
-        Ok((compute, opened.note))
+        let device = Arc::new(Device::open(request.device, request.threads)?);
+        self.devices.push(Opened { of, device: device.clone() });
+        Ok(device)
     }
 }

@@ -3,7 +3,7 @@
 //! text of what is under the pointer, comes from `pairwave::report`.
 //!
 //! ```text
-//! controls -> Request -> worker (Engine: Running per set) -> Snapshot -> panels
+//! controls -> Request -> worker (Engine: Measurement per set) -> Snapshot -> panels
 //! ```
 
 #![warn(unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic)]

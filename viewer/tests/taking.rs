@@ -10,6 +10,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::process::Command;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 use common::{Window, request, settle};
@@ -18,6 +19,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use pairwave::analysis::{self, Plan};
+use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::display::Panel;
 use pairwave::report;
@@ -117,10 +119,10 @@ fn disabled(window: &mut Window, panel: Panel) -> Vec<&'static str> {
 
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
-    let source = Source::open(&request.input).unwrap();
-    let device = pairwave::compute::open(request.device, request.threads).unwrap().compute;
-    let plan = Plan::of(request, &source).unwrap().for_device(device.as_ref());
-    let found = analysis::run(request, &source, &plan, device.as_ref(), &Control::default(), &mut |_| ()).unwrap();
+    let source = Arc::new(Source::open(&request.input).unwrap());
+    let device = Device::open(request.device, request.threads).unwrap();
+    let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
+    let found = analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ()).unwrap();
     let dir = tempfile::tempdir().unwrap();
     let name = |p: &std::path::Path| p.file_name().unwrap().to_string_lossy().into_owned();
     let written = report::write(&dir.path().join("out"), &found, false).unwrap();

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use common::request;
 use pairwave::analysis::{self, Analysis, Plan};
+use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::report;
 use pairwave::request::Request;
@@ -48,10 +49,10 @@ fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
-    let source = Source::open(&request.input).unwrap();
-    let device = pairwave::compute::open(request.device, request.threads).unwrap().compute;
-    let plan = Plan::of(request, &source).unwrap().for_device(device.as_ref());
-    files(&analysis::run(request, &source, &plan, device.as_ref(), &Control::default(), &mut |_| ()).unwrap())
+    let source = Arc::new(Source::open(&request.input).unwrap());
+    let device = Device::open(request.device, request.threads).unwrap();
+    let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
+    files(&analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ()).unwrap())
 }
 
 fn assert_equal(snapshot: &Snapshot, request: &Request) {

@@ -3,5 +3,56 @@
 mod edges;
 mod frequencies;
 
+use std::path::Path;
+use std::sync::OnceLock;
+
 pub use edges::read_edges;
 pub use frequencies::read_frequencies;
+
+use crate::error::Result;
+use crate::plan::WaveList;
+use crate::points::Domain;
+
+/// The lists that a request names, each read when it is first needed, or given.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Lists {
+    edges: OnceLock<Vec<f64>>,
+    frequencies: OnceLock<WaveList>,
+}
+
+impl Lists {
+    /// Those that were read before.
+    pub(crate) fn given(edges: Option<Vec<f64>>, frequencies: Option<WaveList>) -> Self {
+        let cell = Self::default();
+        edges.into_iter().for_each(|edges| _ = cell.edges.set(edges));
+        frequencies.into_iter().for_each(|list| _ = cell.frequencies.set(list));
+        cell
+    }
+
+    /// Bin edges.
+    pub(crate) fn edges(&self, path: &Path) -> Result<&[f64]> {
+        match self.edges.get() {
+            Some(edges) => Ok(edges),
+            None => {
+                let edges = read_edges(path)?;
+                Ok(self.edges.get_or_init(|| edges))
+            }
+        }
+    }
+
+    /// Wave vectors.
+    pub(crate) fn frequencies(&self, path: &Path, domain: &Domain) -> Result<&WaveList> {
+        match self.frequencies.get() {
+            Some(list) => Ok(list),
+            None => {
+                let list = read_frequencies(path, domain)?;
+                Ok(self.frequencies.get_or_init(|| list))
+            }
+        }
+    }
+
+    /// What was read.
+    pub(crate) fn read(&self) -> (Option<&[f64]>, Option<&WaveList>) {
+        (self.edges.get().map(Vec::as_slice), self.frequencies.get())
+    }
+}

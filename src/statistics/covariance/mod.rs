@@ -1,18 +1,25 @@
 //! The covariance of the amplitudes of low frequencies.
 
 mod image;
+mod products;
 mod summary;
 
 use rustfft::num_complex::Complex;
 
-use super::{Array, Keys, Output, Section, Values};
+use super::group::{Ask, Parts};
+use super::{Array, Keys, Output, Room, Values};
 use crate::display::human;
+use crate::error::Result;
 use crate::estimate::Analysis;
 
 /// The covariance in a report.
-pub(crate) struct Shown;
+pub(crate) struct Here;
 
-impl Section for Shown {
+impl Room for Here {
+    fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+        products::plan(ask, parts)
+    }
+
     fn outputs(&self) -> &'static [Output] {
         const {
             &[

@@ -1,18 +1,27 @@
 //! g of the vector between two points.
 
+mod counts;
 mod figures;
 mod summary;
 mod tables;
 
-use super::{Array, Keys, Output, Row, Section, Turn, Values, across};
+use super::group::{Ask, Parts};
+use super::{Array, Keys, Output, Room, Row, Turn, Values, across};
+use crate::error::Result;
 use crate::estimate::{Analysis, ErrorSource, VectorCorrelation};
 
+pub(crate) use counts::Lags;
+
 /// Lags in a report.
-pub(crate) struct Shown;
+pub(crate) struct Here;
 
 const HEADING: &str = "Pair correlation function of the vector";
 
-impl Section for Shown {
+impl Room for Here {
+    fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+        counts::plan(ask, parts)
+    }
+
     fn outputs(&self) -> &'static [Output] {
         const {
             &[

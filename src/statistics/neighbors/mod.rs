@@ -2,16 +2,35 @@
 
 mod figures;
 mod summary;
+mod sums;
 mod tables;
 
-use super::{Keys, Output, Row, Section, across};
+use super::group::{Ask, Parts};
+use super::{Keys, Output, Room, Row, across};
 use crate::display::{human, packing_symbol, with_error};
-use crate::estimate::{Analysis, ErrorSource};
+use crate::error::Result;
+use crate::estimate::{Analysis, Curve, ErrorSource};
+
+pub(crate) use sums::Neighborhood;
 
 /// Neighbours in a report.
-pub(crate) struct Shown;
+pub(crate) struct Here;
 
-impl Section for Shown {
+impl Room for Here {
+    fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+        sums::plan(ask, parts)
+    }
+
+    fn curves(&self, a: &Analysis) -> Vec<Curve> {
+        let Some(functions) = a.neighbors().map(|n| &n.functions) else { return Vec::new() };
+        let curve = |name, values: &[Option<f64>]| Curve {
+            name,
+            r: functions.r.clone(),
+            values: values.iter().map(|v| v.unwrap_or(f64::NAN)).collect(),
+        };
+        vec![curve("neighbor_g", &functions.g), curve("neighbor_f", &functions.f)]
+    }
+
     fn outputs(&self) -> &'static [Output] {
         const {
             &[

@@ -1,17 +1,60 @@
 //! g(r), its kernel estimate, g of two classes, and K.
 
+mod classes;
+mod counts;
 mod figures;
+mod kernel;
 mod summary;
 mod tables;
 
-use super::{Keys, Output, Row, Section, across};
+use super::group::{Ask, Parts};
+use super::{Keys, Output, Room, Row, across};
 use crate::display::human;
-use crate::estimate::{Analysis, ErrorSource};
+use crate::error::Result;
+use crate::estimate::{Analysis, Curve, ErrorSource};
+use crate::request::Statistic;
 
-/// Pairs in a report.
-pub(crate) struct Shown;
+pub(crate) use counts::{Pairs, correction, identity, pairs_of};
 
-impl Section for Shown {
+/// Pairs.
+pub(crate) struct Here;
+
+impl Room for Here {
+    fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+        if !(ask.wants(Statistic::Pcf) || ask.wants(Statistic::KFunction)) {
+            return Ok(());
+        }
+        let bins = counts::bins(ask)?;
+        let settings = counts::settings(ask)?;
+        if settings.cumulative {
+            counts::check_bins_of_k(ask.request, &bins, ask.domain)?;
+        }
+        let smoothed = kernel::plans(ask, &bins, settings)?;
+        let pairs = Pairs::new(ask, bins, settings)?;
+        let classes = (pairs.pcf && !ask.classes.is_empty())
+            .then(|| classes::Classes::new(ask.request, ask.classes, &pairs.plan))
+            .transpose()?;
+        parts.add(pairs);
+        if let Some((search, smoothed)) = smoothed {
+            search.into_iter().for_each(|search| parts.add(search));
+            parts.add(smoothed);
+        }
+        classes.into_iter().for_each(|classes| parts.add(classes));
+        Ok(())
+    }
+
+    fn curves(&self, a: &Analysis) -> Vec<Curve> {
+        let curve = |name, r: &[f64], values: Vec<f64>| Curve { name, r: r.to_vec(), values };
+        let (g, k) = (a.pair_correlation(), a.k_function());
+        let curves = [
+            g.map(|g| curve("g", &g.r, g.g.clone())),
+            a.kernel().map(|k| curve("g_kernel", &k.r, k.g.iter().map(|v| v.unwrap_or(f64::NAN)).collect())),
+            k.map(|k| curve("k", &k.r, k.k.clone())),
+            k.map(|k| curve("l_minus_r", &k.r, k.l_minus_r.clone())),
+        ];
+        curves.into_iter().flatten().collect()
+    }
+
     fn outputs(&self) -> &'static [Output] {
         const {
             &[

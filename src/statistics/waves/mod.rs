@@ -2,23 +2,32 @@
 
 mod figures;
 mod image;
+mod power;
 mod scalars;
 mod summary;
 mod tables;
 
 pub(crate) use image::{image as spectrum_image, tone_text};
 
-use super::{Array, Keys, Output, Row, Section, Values, across};
+use super::group::{Ask, Parts};
+use super::{Array, Keys, Output, Room, Row, Values, across};
 use crate::display::{human, with_error};
+use crate::error::Result;
 use crate::estimate::{Analysis, ErrorSource};
 use crate::plan::WaveGrid;
 
+pub(crate) use power::Waves;
+
 /// P in a report.
-pub(crate) struct Shown;
+pub(crate) struct Here;
 
 const HEADING: &str = "Power spectrum";
 
-impl Section for Shown {
+impl Room for Here {
+    fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+        power::plan(ask, parts)
+    }
+
     fn outputs(&self) -> &'static [Output] {
         const {
             &[

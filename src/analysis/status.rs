@@ -1,7 +1,34 @@
-//! How far a measurement under way is, in words.
+//! How far a measurement is, in numbers and in words.
 
-use super::Status;
 use crate::display::human;
+
+/// How far a `Measurement` is, and what it was spared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Status {
+    /// What each group of sums is at.
+    pub tracks: Vec<TrackStatus>,
+    /// Realizations asked for.
+    pub total: u64,
+    /// Unordered pairs in the realizations done, looked at or not.
+    pub pairs: f64,
+    /// Points times stored wave vectors in the realizations done.
+    pub products: f64,
+    /// Seconds per stage.
+    pub timings: Vec<(&'static str, f64)>,
+}
+
+/// Of one group of sums.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TrackStatus {
+    /// Its name.
+    pub name: &'static str,
+    /// Realizations it holds.
+    pub done: u64,
+    /// How many of them were there before the last change of settings, which did not touch them.
+    pub kept: u64,
+    /// Whether they were binned anew rather than counted.
+    pub rebinned: bool,
+}
 
 impl Status {
     /// Realizations that are in all sums that are wanted.
@@ -52,7 +79,6 @@ impl Status {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::TrackStatus;
 
     #[test]
     fn a_status_reads_well() {

@@ -2,21 +2,25 @@
 
 use std::fmt;
 
+use serde_json::{Value, json};
+
+use super::counts::identity;
 use crate::accumulate::{CrossCounts, PairCounts};
-use crate::compute::WithFallback;
-use crate::control::Control;
+use crate::compute::{Compute, Work};
 use crate::error::{Error, Result};
-use crate::plan::PairPlan;
+use crate::estimate::{Analysis, CrossCorrelation};
+use crate::plan::{Batch, PairPlan};
 use crate::points::Ensemble;
-use crate::request::Request;
+use crate::request::{Request, Statistic};
 use crate::setting::Setting;
+use crate::statistics::group::{Group, Subject};
 
 /// The two classes whose g is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Classes {
-    pub(super) names: [String; 2],
-    pub(super) numbers: [u32; 2],
-    pub(super) pairs: PairPlan,
+pub(crate) struct Classes {
+    names: [String; 2],
+    numbers: [u32; 2],
+    pairs: PairPlan,
 }
 
 impl Classes {
@@ -45,21 +49,39 @@ impl Classes {
         let names = numbers.map(|k| names[k as usize].clone());
         Ok(Self { names, numbers, pairs: PairPlan { cumulative: false, ..pairs.clone() } })
     }
+}
+
+impl Group for Classes {
+    type Sums = CrossCounts;
+
+    const NAME: &'static str = "g of two classes";
+    const STAGE: &'static str = "pair_counts (classes)";
+
+    fn statistics(&self) -> Vec<Statistic> {
+        Vec::new()
+    }
+
+    fn identity(&self) -> Value {
+        json!({ "classes": self.names, "pairs": identity(&self.pairs) })
+    }
+
+    fn batch(&self) -> Batch {
+        self.pairs.batch
+    }
+
+    fn suit(&mut self, compute: &dyn Compute) {
+        self.pairs = self.pairs.clone().with_costs(compute.search_costs());
+    }
 
     /// Counts within each class and within both together, one realization after the other: their differences are the
     /// pairs between them, whatever the backend and the correction.
-    pub(super) fn count(
-        &self,
-        batch: &Ensemble,
-        device: &mut WithFallback<'_>,
-        control: &Control,
-    ) -> Result<Option<CrossCounts>> {
+    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<CrossCounts> {
         let [a, b] = self.numbers;
         let sets = [vec![a, b], vec![a], vec![b]].map(|classes| batch.of_classes(&classes));
         let mut sums: Option<CrossCounts> = None;
         for k in 0..batch.realizations() {
             let one = sets.each_ref().map(|set| set.slice(k..k + 1));
-            let counts = device.all_pair_counts(&self.pairs, &one, control)?;
+            let counts = work.all_pair_counts(&self.pairs, &one).await?;
             let [both, a, b] = counts.as_slice() else { continue };
             let mut between = PairCounts::new(both.computed_by.clone(), &self.pairs);
             between.add_between(both, a, b);
@@ -69,7 +91,12 @@ impl Classes {
                 none => *none = Some(next),
             }
         }
-        Ok(sums)
+        sums.ok_or_else(|| Error::input("points", "there are no realizations"))
+    }
+
+    fn estimate(&self, sums: &CrossCounts, subject: &Subject<'_>, found: &mut Analysis) {
+        let normalization = subject.request.normalization;
+        found.findings.insert(CrossCorrelation::new(self.names.clone(), &self.pairs, sums, normalization));
     }
 }
 

@@ -1,0 +1,517 @@
+//! The one engine: a request that is carried out step by step.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::Plan;
+use super::plan::{check_convention, check_points};
+use super::ranges::Ranges;
+use super::status::{Status, TrackStatus};
+use crate::accumulate::{Backend, ComputedBy};
+use crate::compute::{Device, Work};
+use crate::control::{Clock, Control, Instant, Progress};
+use crate::error::{Error, Result};
+use crate::estimate::Analysis;
+use crate::plan::{EnsembleShape, LEAF};
+use crate::points::Ensemble;
+use crate::request::{PointsRequest, Request};
+use crate::setting::Setting;
+use crate::source::Source;
+use crate::statistics::group::{Effort, KeptPart, Part, PartSums, Subject, together};
+
+/// Seconds that a step of a measurement that is looked at aims at, so that whoever takes steps can look up between them.
+const STEP: f64 = 0.05;
+
+/// A request, and the raw sums of the realizations that were measured so far. It can be carried on step by step, looked at at
+/// any time, written and read, and merged with one of other realizations. However it was cut, stopped or merged, the
+/// estimates are in the end, to the bit, those of one run.
+///
+/// ```
+/// use pairwave::analysis::Measurement;
+/// use pairwave::compute::{Device, cpu::Cpu};
+/// use pairwave::control::Control;
+/// use pairwave::request::Request;
+///
+/// # fn main() -> pairwave::Result<()> {
+/// let arguments = "--sampler jittered -n 64 -k 40 --stats pcf".split(' ').map(String::from);
+/// let request = Request::parse(arguments)?;
+/// let (device, control) = (Device::new(Box::new(Cpu::new(None)?), None), Control::default());
+/// // Two shards, which may run on two machines.
+/// let mut whole = Measurement::of(&request)?.within(0..16, &device)?;
+/// let mut rest = Measurement::of(&request)?.within(16..40, &device)?;
+/// for shard in [&mut whole, &mut rest] {
+///     while shard.step(&device, &control)? {}
+/// }
+/// let bytes = rest.write();
+/// whole.merge(Measurement::read("rest.sums", &bytes)?)?;
+/// assert_eq!(whole.analysis().map(|found| found.shape.realizations), Some(40));
+/// # Ok(())
+/// # }
+/// ```
+pub struct Measurement {
+    pub(super) request: Request,
+    pub(super) source: Arc<Source>,
+    pub(super) plan: Plan,
+    /// The realizations that it is to hold.
+    pub(super) span: Range<u64>,
+    /// Whether it is looked at while it goes on: short steps, ready for other settings.
+    live: bool,
+    /// Wanted or not; one that is not keeps its sums for when it is again.
+    pub(super) tracks: Vec<Track>,
+    /// Points per realization.
+    pub(super) sizes: BTreeMap<u64, u64>,
+    pub(super) duplicates: u64,
+    /// The first realization, for pictures.
+    pub(super) first: Option<Ensemble>,
+    /// The realizations that the last step measured.
+    batch: Option<Arc<Ensemble>>,
+    pub(super) clock: Clock,
+    pub(super) warnings: Vec<String>,
+}
+
+/// The sums of one group.
+#[derive(Debug)]
+pub(super) struct Track {
+    /// What the sums are of.
+    pub(super) part: Box<dyn Part>,
+    pub(super) wanted: bool,
+    /// Of whole leaves of realizations.
+    pub(super) whole: Option<Box<dyn PartSums>>,
+    /// Of those of a leaf that is not full.
+    pub(super) leaf: Option<Box<dyn PartSums>>,
+    pub(super) done: Ranges,
+    kept: u64,
+    rebinned: bool,
+    /// What a realization took, in seconds.
+    each: f64,
+}
+
+impl Measurement {
+    /// Of the points that the request names; for the CPU path until `for_device` says otherwise.
+    ///
+    /// # Errors
+    /// Files that cannot be read, settings that cannot be.
+    pub fn of(request: &Request) -> Result<Self> {
+        let source = Arc::new(Source::open(&request.input)?);
+        let plan = Plan::of(request, &source)?;
+        Ok(Self::new(request.clone(), source, plan))
+    }
+
+    /// By a plan that was made of the request and these points.
+    pub fn new(request: Request, source: Arc<Source>, plan: Plan) -> Self {
+        let span = 0..source.shape().realizations;
+        let tracks = plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
+        Self {
+            request,
+            source,
+            plan,
+            span,
+            live: false,
+            tracks,
+            sizes: BTreeMap::new(),
+            duplicates: 0,
+            first: None,
+            batch: None,
+            clock: Clock::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// One that is looked at while it goes on, and whose settings may change.
+    ///
+    /// # Errors
+    /// As `of`; envelopes, which need all realizations at once, are refused.
+    pub fn live(request: &Request, device: &Device) -> Result<Self> {
+        let source = Arc::new(Source::open(&request.input)?);
+        let plan = live_plan(request, &source, device)?;
+        let mut new = Self { live: true, ..Self::new(request.clone(), source, plan) };
+        new.tracks.iter_mut().for_each(|track| track.part.keep_ready());
+        Ok(new)
+    }
+
+    /// The part of it that measures the realizations of a range, on a device: a shard. It is planned as part of the whole.
+    ///
+    /// # Errors
+    /// A range that is not of the batch, or would cut a leaf of 16 realizations in two.
+    pub fn within(mut self, span: Range<u64>, device: &Device) -> Result<Self> {
+        let total = self.total();
+        let cut = |k: u64| k.is_multiple_of(LEAF) || k == total;
+        if span.is_empty() || span.end > total || !cut(span.start) || !cut(span.end) {
+            let reason = format!("expected a part of 0..{total} that begins and ends at multiples of {LEAF}");
+            return Err(Error::input(format!("realizations {}..{}", span.start, span.end), reason));
+        }
+        self.plan = self.plan.for_device(device.compute());
+        self.tracks = self.plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
+        self.span = span;
+        Ok(self)
+    }
+
+    /// The same, to hold the realizations of another range: to go on with one that was read.
+    #[must_use]
+    pub fn to(self, span: Range<u64>) -> Self {
+        Self { span, ..self }
+    }
+
+    /// Takes other settings. Sums that they leave alone are kept; more realizations are added to those that are there. After
+    /// an error nothing has changed.
+    ///
+    /// # Errors
+    /// As `live`.
+    pub fn change(&mut self, request: &Request, device: &Device) -> Result<()> {
+        let of_one = |points: &PointsRequest| PointsRequest { realizations: None, ..points.clone() };
+        let same_points = of_one(&request.input) == of_one(&self.request.input);
+        let computes_alike = (request.device, request.threads) == (self.request.device, self.request.threads);
+        if !same_points || !computes_alike {
+            *self = Self::live(request, device)?;
+            return Ok(());
+        }
+        let source = match request.input == self.request.input {
+            true => self.source.clone(),
+            false => Arc::new(Source::open(&request.input)?),
+        };
+        let plan = live_plan(request, &source, device)?;
+        (self.request, self.source, self.plan) = (request.clone(), source, plan);
+        self.span = 0..self.total();
+        if self.tracks.iter().any(|t| t.done.end() > self.span.end) || self.sizes.len() as u64 > self.span.end {
+            // Fewer realizations: sums cannot be taken apart again.
+            (self.tracks, self.sizes, self.duplicates) = (Vec::new(), BTreeMap::new(), 0);
+        }
+        self.batch = None;
+        self.keep_tracks();
+        Ok(())
+    }
+
+    /// Makes the tracks those of the plan.
+    fn keep_tracks(&mut self) {
+        let mut old = std::mem::take(&mut self.tracks);
+        for part in self.plan.parts.iter() {
+            let at = old.iter().position(|track| track.part.name() == part.name());
+            let mut wanted = part.clone_part();
+            wanted.keep_ready();
+            let kept = at.map(|at| old.remove(at)).and_then(|track| track.kept(wanted.as_ref(), &self.sizes));
+            self.tracks.push(kept.unwrap_or_else(|| Track::new(wanted)));
+        }
+        self.tracks.extend(old.into_iter().map(|track| Track { wanted: false, ..track }));
+    }
+
+    /// Measures some realizations of the sums that are furthest behind. Whether there is more to do. Waits until it is done.
+    ///
+    /// # Errors
+    /// What the points or the device say; after `Error::Cancelled` it can go on.
+    pub fn step(&mut self, device: &Device, control: &Control) -> Result<bool> {
+        pollster::block_on(self.advance(device, control, &mut |_| ()))
+    }
+
+    /// As `step`, for who cannot wait. `tell` hears what is being done.
+    ///
+    /// # Errors
+    /// As `step`.
+    pub async fn advance(
+        &mut self,
+        device: &Device,
+        control: &Control,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<bool> {
+        control.check()?;
+        self.resolve()?;
+        let Some(at) = self.furthest_behind() else {
+            self.check(control)?;
+            return Ok(false);
+        };
+        let (live, most) = (self.live, self.plan.batch);
+        let track = &mut self.tracks[at];
+        let Some(range) = track.next(&self.span, live, most) else { return Ok(false) };
+        let total = self.span.end - self.span.start;
+        let mut told = |stage| tell(Progress { stage, done: range.start - self.span.start, total });
+        let known = self
+            .batch
+            .as_ref()
+            .filter(|b| b.first_index() == range.start && b.realizations() as u64 == range.end - range.start);
+        let batch = match known {
+            Some(batch) => batch.clone(),
+            None => {
+                told("points");
+                Arc::new(self.clock.time("points", || self.source.batch(range.clone(), control))?)
+            }
+        };
+        told(track.part.stage());
+        let mut work = Work::new(device, control);
+        let start = Instant::now();
+        let sums = track.part.measure(&batch, &mut work).await?;
+        let seconds = start.elapsed().as_secs_f64();
+        track.add(range.clone(), sums)?;
+        track.each = seconds / batch.realizations() as f64;
+        self.clock.add(track.part.stage(), seconds);
+        for warning in work.into_warnings() {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        self.see(&batch);
+        self.batch = Some(batch);
+        Ok(true)
+    }
+
+    /// Notes the realizations of a batch, each once.
+    fn see(&mut self, batch: &Ensemble) {
+        let start = batch.first_index();
+        let new = (0..batch.realizations()).filter(|&k| !self.sizes.contains_key(&(start + k as u64)));
+        let new: Vec<usize> = new.collect();
+        if let (Some(&first), Some(&last)) = (new.first(), new.last()) {
+            self.duplicates += match last + 1 - first == batch.realizations() {
+                true => batch.duplicates(),
+                false => batch.slice(first..last + 1).duplicates(),
+            };
+        }
+        for k in new {
+            self.sizes.insert(start + k as u64, batch.points_in(k) as u64);
+        }
+        if self.first.as_ref().is_none_or(|first| start < first.first_index()) {
+            self.first = Some(batch.slice(0..1));
+        }
+    }
+
+    /// Gives groups that waited for the sums of another over all realizations what they waited for.
+    fn resolve(&mut self) -> Result<()> {
+        for at in 0..self.tracks.len() {
+            let Some(name) = self.tracks[at].part.waits_for() else { continue };
+            let Some(before) = self.tracks.iter().find(|t| t.part.name() == name && t.done.count() == self.total())
+            else {
+                continue;
+            };
+            let Some(sums) = before.sums()? else { continue };
+            let start = Instant::now();
+            let part = self.tracks[at].part.after(sums.as_ref(), before.part.as_ref(), &self.request)?;
+            self.clock.add("cross-validation", start.elapsed().as_secs_f64());
+            // Estimates are made by the plan, which has what was found too.
+            let name = part.name();
+            self.plan.parts.iter_mut().filter(|p| p.name() == name).for_each(|p| *p = part.clone_part());
+            self.tracks[at].part = part;
+        }
+        Ok(())
+    }
+
+    /// The track that was measured least, of those for which there is something to measure.
+    fn furthest_behind(&self) -> Option<usize> {
+        let behind = |t: &Track| t.wanted && t.part.waits_for().is_none() && t.done.gap(&self.span).is_some();
+        let all = self.tracks.iter().enumerate().filter(|(_, t)| behind(t));
+        all.min_by_key(|(_, t)| t.done.count()).map(|(at, _)| at)
+    }
+
+    /// What is known only once every realization was seen.
+    fn check(&mut self, control: &Control) -> Result<()> {
+        if self.sizes.is_empty() {
+            // No statistic is wanted: the points alone.
+            let batch = self.source.batch(self.span.start..self.span.start + 1, control)?;
+            self.see(&batch);
+        }
+        check_points(self.plan.parts.needs_pairs(), self.shape())?;
+        check_convention(&self.request, self.source.domain(), self.shape())
+    }
+
+    /// Realizations of the whole batch.
+    pub fn total(&self) -> u64 {
+        self.source.shape().realizations
+    }
+
+    /// The request.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+
+    /// Whether every realization is in all sums that are wanted.
+    pub fn is_whole(&self) -> bool {
+        self.tracks.iter().filter(|t| t.wanted).all(|t| t.done.count() == self.total())
+    }
+
+    /// Number and size of the realizations that were measured.
+    pub(super) fn shape(&self) -> EnsembleShape {
+        EnsembleShape::of(&self.sizes.values().copied().collect::<Vec<_>>())
+    }
+
+    /// How far it is.
+    pub fn status(&self) -> Status {
+        let wanted = || self.tracks.iter().filter(|t| t.wanted);
+        let tracks = wanted().map(|t| TrackStatus {
+            name: t.part.name(),
+            done: t.done.count(),
+            kept: t.kept.min(t.done.count()),
+            rebinned: t.rebinned,
+        });
+        let effort = |t: &Track| {
+            let done = self.sizes.iter().filter(|(k, _)| t.done.iter().any(|r| r.contains(k)));
+            done.map(|(_, &n)| t.part.effort(n))
+                .fold(Effort::default(), |a, b| Effort { pairs: a.pairs + b.pairs, products: a.products + b.products })
+        };
+        let efforts: Vec<Effort> = wanted().map(effort).collect();
+        Status {
+            tracks: tracks.collect(),
+            total: self.span.end - self.span.start,
+            pairs: efforts.iter().map(|e| e.pairs).sum(),
+            products: efforts.iter().map(|e| e.products).sum(),
+            timings: self.clock.stages.clone(),
+        }
+    }
+
+    /// The estimates of what was measured so far; `None` before the first step.
+    pub fn analysis(&self) -> Option<Analysis> {
+        let start = Instant::now();
+        let mut found = self.estimates()?;
+        let source = &self.source;
+        found.subject = source.subject().to_string();
+        found.parameters = self.request.parameters();
+        found.plan = self.plan.to_string();
+        found.duplicates = self.duplicates;
+        found.warnings.splice(0..0, self.warnings.iter().cloned());
+        let mut clock = self.clock.clone();
+        clock.add("estimates", start.elapsed().as_secs_f64());
+        found.timings = clock.stages;
+        Some(found)
+    }
+
+    /// The estimates, without the words about how they came about.
+    pub(super) fn estimates(&self) -> Option<Analysis> {
+        let (request, shape, source) = (&self.request, self.shape(), &self.source);
+        let subject = Subject { request, domain: source.domain(), process: source.process(), shape };
+        let sums: Vec<(&dyn Part, Cow<'_, dyn PartSums>)> = (self.plan.parts.iter())
+            .filter_map(|part| {
+                let track = self.tracks.iter().find(|t| t.wanted && t.part.name() == part.name())?;
+                // Both parts are of whole leaves, and measured by one plan.
+                Some((part, track.sums().ok()??))
+            })
+            .collect();
+        let by = sums.iter().filter_map(|(_, sums)| sums.computed_by().cloned()).reduce(|a, b| a.merge(&b));
+        let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu (k-d tree)"));
+        let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
+        found.domain = source.domain().clone();
+        found.min_points = self.sizes.values().copied().min().unwrap_or(0);
+        found.convention = request.convention;
+        found.bug_compatible = request.bug_compatible;
+        found.accuracy = request.accuracy;
+        if let Some(process) = subject.closed_forms() {
+            found.closed_form.name = process.sampler.name().to_string();
+        }
+        for (part, sums) in &sums {
+            part.estimate(sums.as_ref(), &subject, &mut found);
+        }
+        if self.duplicates > 0 {
+            let duplicates = self.duplicates;
+            found.warnings.push(format!("{duplicates} points coincide with another point of their realization"));
+        }
+        for last in [false, true] {
+            for (part, sums) in sums.iter().filter(|(part, _)| part.last_words() == last) {
+                let warnings = part.warnings(sums.as_ref(), &subject, &self.plan.parts, &found);
+                found.warnings.extend(warnings);
+            }
+        }
+        Some(found)
+    }
+}
+
+fn live_plan(request: &Request, source: &Source, device: &Device) -> Result<Plan> {
+    let plan = Plan::of(request, source)?.for_device(device.compute());
+    if plan.simulations > 0 {
+        let reason = "needs all realizations at once: not while they come in";
+        return Err(Error::setting(Setting::Envelope, plan.simulations, reason));
+    }
+    Ok(plan)
+}
+
+impl Track {
+    pub(super) fn new(part: Box<dyn Part>) -> Self {
+        Self {
+            part,
+            wanted: true,
+            whole: None,
+            leaf: None,
+            done: Ranges::default(),
+            kept: 0,
+            rebinned: false,
+            each: f64::INFINITY,
+        }
+    }
+
+    /// All its sums.
+    pub(super) fn sums(&self) -> Result<Option<Cow<'_, dyn PartSums>>> {
+        together(self.whole.as_deref(), self.leaf.as_deref())
+    }
+
+    /// The same sums as those of another plan, if they are.
+    fn kept(self, wanted: &dyn Part, sizes: &BTreeMap<u64, u64>) -> Option<Self> {
+        let done = self.done.count();
+        let keep = |sums: Option<&dyn PartSums>| match sums {
+            Some(sums) => self.part.kept(sums, wanted, &mut sizes.values().copied()).map(Some),
+            None => Some(None),
+        };
+        let (whole, leaf) = (keep(self.whole.as_deref())?, keep(self.leaf.as_deref())?);
+        let any = whole.as_ref().or(leaf.as_ref());
+        // Without sums there is nothing to keep.
+        let (part, rebinned) = any.map(|kept| (kept.part.clone_part(), kept.rebinned))?;
+        let sums = |kept: Option<KeptPart>| kept.map(|kept| kept.sums);
+        let (whole, leaf) = (sums(whole), sums(leaf));
+        Some(Self { part, wanted: true, whole, leaf, done: self.done, kept: done, rebinned, each: self.each })
+    }
+
+    /// Which realizations to measure next: whole leaves where they are quick, else one.
+    fn next(&mut self, span: &Range<u64>, live: bool, most: u64) -> Option<Range<u64>> {
+        let Range { mut start, end } = self.done.gap(span)?;
+        if self.part.whole_leaves() && !start.is_multiple_of(LEAF) {
+            // Realizations cannot be added to a leaf that is one product: it is made anew.
+            start = start / LEAF * LEAF;
+            self.done.cut(start);
+            self.leaf = None;
+        }
+        let left = end - start;
+        let most = if live { most.min(self.part.batch().realizations) } else { most };
+        let size = if !start.is_multiple_of(LEAF) {
+            1
+        } else if self.part.whole_leaves() && live {
+            LEAF
+        } else if live {
+            match (STEP / self.each) as u64 {
+                0 | 1 => 1,
+                few if few < LEAF => few,
+                many => (many.min(left) / LEAF * LEAF).min(most.max(LEAF) / LEAF * LEAF),
+            }
+        } else if left < LEAF {
+            left
+        } else {
+            // The last leaf, which is not full, apart: so realizations can be added to it.
+            most.max(LEAF).min(left) / LEAF * LEAF
+        };
+        Some(start..start + size.max(1).min(left))
+    }
+
+    /// Adds the sums of realizations that were not there.
+    fn add(&mut self, range: Range<u64>, next: Box<dyn PartSums>) -> Result<()> {
+        let (starts, ends) = (range.start.is_multiple_of(LEAF), range.end.is_multiple_of(LEAF));
+        match (starts, ends, &mut self.leaf) {
+            (true, true, _) => join(&mut self.whole, next)?,
+            (true, false, _) => self.leaf = Some(next),
+            (false, full, Some(leaf)) => {
+                leaf.append(next)?;
+                if full && let Some(leaf) = self.leaf.take() {
+                    join(&mut self.whole, leaf)?;
+                }
+            }
+            (false, _, None) => {
+                return Err(Error::input("sums", "realizations of a leaf are missing: a bug of pairwave"));
+            }
+        }
+        self.done.add(range);
+        Ok(())
+    }
+}
+
+/// Adds sums of other realizations.
+pub(super) fn join(sums: &mut Option<Box<dyn PartSums>>, next: Box<dyn PartSums>) -> Result<()> {
+    match sums {
+        Some(sums) => sums.merge(next),
+        None => {
+            *sums = Some(next);
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Pairs by the vector between them.
+
+use std::fmt;
+
+use serde_json::{Value, json};
+
+use crate::accumulate::{ComputedBy, Decoder, Encoder, LagCounts, Sums};
+use crate::compute::Work;
+use crate::error::Result;
+use crate::estimate::{Analysis, VectorCorrelation};
+use crate::plan::{Batch, Correction, DEFAULT_RINGS, LagGrid, LagPlan};
+use crate::points::Ensemble;
+use crate::request::Statistic;
+use crate::statistics::group::{Ask, Effort, Group, Parts, Subject, digest};
+use crate::statistics::pairs::{correction, pairs_of};
+
+/// Bins per axis of the grid behind rings.
+const RING_GRID: usize = 128;
+
+/// The plan.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Lags {
+    pub(crate) lags: LagPlan,
+    /// The rings, on a finer grid of their own.
+    rings: Option<LagPlan>,
+}
+
+/// The sums of both.
+#[derive(Debug, Clone)]
+pub(crate) struct LagSums {
+    lags: LagCounts,
+    rings: Option<LagCounts>,
+}
+
+/// Plans them, if they are wanted.
+pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+    if ask.wants(Statistic::PcfVector) {
+        let lags = lags(ask)?;
+        let rings = rings(ask, &lags)?;
+        parts.add(Lags { lags, rings });
+    }
+    Ok(())
+}
+
+/// The lags a request asks for. Corrections that are only for g(r) are left to it.
+fn lags(ask: &Ask<'_>) -> Result<LagPlan> {
+    let Ask { request, domain, shape, .. } = *ask;
+    let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(64), request.lag_max)?;
+    let correction = match correction(request, domain) {
+        Correction::Isotropic | Correction::Border if ask.wants(Statistic::Pcf) => Correction::Translation,
+        other => other,
+    };
+    // Rings have a grid of their own.
+    LagPlan::new(domain, grid, correction, (domain.dim() == 2).then_some(&[]), shape)
+}
+
+/// The rings along which g of the vector is followed, in 2D: by default at half, 1 and 2 closest-packing distances, as far as
+/// they fit. Their cells are so small that g hardly changes within one, and the grid ends beyond the largest.
+fn rings(ask: &Ask<'_>, lags: &LagPlan) -> Result<Option<LagPlan>> {
+    let (domain, shape) = (&lags.domain, lags.shape);
+    let limit = domain.shortest_side() / if domain.is_torus() { 2.0 } else { 1.0 };
+    let radii = match &ask.request.lag_rings {
+        None if domain.dim() != 2 => return Ok(None),
+        // Refused, in its own words.
+        Some(radii) if domain.dim() != 2 => {
+            return LagPlan::new(domain, lags.grid.clone(), lags.correction, Some(radii), shape).map(Some);
+        }
+        Some(radii) => radii.clone(),
+        None => {
+            let unit = domain.closest_packing_distance(shape.mean_points);
+            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|r| 1.02 * r < limit).collect()
+        }
+    };
+    let largest = radii.iter().copied().fold(0.0, f64::max);
+    if radii.is_empty() {
+        return Ok(None);
+    }
+    let half = if largest > 0.0 { (1.02 * largest).min(limit) } else { limit };
+    let grid = LagGrid::new(domain, RING_GRID, Some(half))?;
+    LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
+}
+
+impl Group for Lags {
+    type Sums = LagSums;
+
+    const NAME: &'static str = "g of the vector";
+    const STAGE: &'static str = "lag_counts";
+
+    fn statistics(&self) -> Vec<Statistic> {
+        vec![Statistic::PcfVector]
+    }
+
+    fn identity(&self) -> Value {
+        let of = |plan: &LagPlan| {
+            let sectors = plan.sectors.iter().flat_map(|s| [s.r, s.theta]).flatten();
+            json!({
+                "bins": plan.grid.bins,
+                "half": plan.grid.half,
+                "correction": plan.correction,
+                "sectors": digest(sectors),
+            })
+        };
+        json!({ "lags": of(&self.lags), "rings": self.rings.as_ref().map(of) })
+    }
+
+    fn batch(&self) -> Batch {
+        let all = [Some(self.lags.batch), self.rings.as_ref().map(|rings| rings.batch)];
+        all.into_iter().flatten().min_by_key(|batch| batch.realizations).unwrap_or(self.lags.batch)
+    }
+
+    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<LagSums> {
+        let lags = work.lag_counts(&self.lags, batch).await?;
+        let rings = match &self.rings {
+            Some(rings) => Some(work.lag_counts(rings, batch).await?),
+            None => None,
+        };
+        Ok(LagSums { lags, rings })
+    }
+
+    fn estimate(&self, sums: &LagSums, subject: &Subject<'_>, found: &mut Analysis) {
+        let of = |plan, sums| VectorCorrelation::new(plan, sums, subject.request.normalization);
+        let rings = self.rings.as_ref().zip(sums.rings.as_ref()).map(|(plan, sums)| of(plan, sums).sectors);
+        let sectors = rings.unwrap_or_default();
+        found.findings.insert(VectorCorrelation { sectors, ..of(&self.lags, &sums.lags) });
+    }
+
+    fn warnings(&self, _: &LagSums, subject: &Subject<'_>, _: &Parts, _: &Analysis) -> Vec<String> {
+        let default = subject.request.lag_max.is_none() && subject.request.lag_bins.is_none();
+        default.then(|| self.lags.coarse(subject.shape.mean_points)).flatten().into_iter().collect()
+    }
+
+    fn effort(&self, n: u64) -> Effort {
+        Effort { pairs: pairs_of(n), products: 0.0 }
+    }
+}
+
+impl Sums for LagSums {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        self.lags.merge(&other.lags)?;
+        match (&mut self.rings, &other.rings) {
+            (Some(rings), Some(other)) => rings.merge(other),
+            _ => Ok(()),
+        }
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        Some(&self.lags.computed_by)
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        out.value("rings", self.rings.is_some());
+        out.within("lags", |out| self.lags.encode(out));
+        if let Some(rings) = &self.rings {
+            out.within("rings", |out| rings.encode(out));
+        }
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let rings: bool = from.read("rings")?;
+        let lags = from.within("lags", LagCounts::decode)?;
+        Ok(Self { lags, rings: rings.then(|| from.within("rings", LagCounts::decode)).transpose()? })
+    }
+}
+
+impl fmt::Display for Lags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.lags.fmt(f)?;
+        match &self.rings {
+            Some(rings) => write!(f, "along rings: {rings}"),
+            None => Ok(()),
+        }
+    }
+}

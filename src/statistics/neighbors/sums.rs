@@ -1,0 +1,72 @@
+//! Nearest neighbours, the empty space, bonds.
+
+use std::fmt;
+
+use serde_json::{Value, json};
+
+use crate::accumulate::NeighborSums;
+use crate::compute::Work;
+use crate::error::Result;
+use crate::estimate::{Analysis, Neighbors};
+use crate::plan::{Batch, NeighborPlan};
+use crate::points::Ensemble;
+use crate::request::Statistic;
+use crate::statistics::group::{Ask, Group, Parts, Subject, digest};
+use crate::statistics::pairs::Pairs;
+
+/// The plan.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Neighborhood(NeighborPlan);
+
+/// Plans them, if they are wanted; G and F at the edges of the bins of g, where there are any.
+pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+    if ask.wants(Statistic::Neighbors) {
+        let bins = parts.get::<Pairs>().map(|pairs| &pairs.plan.bins);
+        let plan = NeighborPlan::new(ask.domain, bins, ask.shape)?;
+        parts.add(Neighborhood(plan));
+    }
+    Ok(())
+}
+
+impl Group for Neighborhood {
+    type Sums = NeighborSums;
+
+    const NAME: &'static str = "neighbours";
+    const STAGE: &'static str = "neighbors";
+
+    fn statistics(&self) -> Vec<Statistic> {
+        vec![Statistic::Neighbors]
+    }
+
+    fn identity(&self) -> Value {
+        let Self(plan) = self;
+        json!({ "r": digest(plan.r.iter().copied()), "probes": plan.probes.counts, "bonds": plan.bonds })
+    }
+
+    fn batch(&self) -> Batch {
+        self.0.batch
+    }
+
+    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<NeighborSums> {
+        work.neighbors(&self.0, batch).await
+    }
+
+    fn estimate(&self, sums: &NeighborSums, subject: &Subject<'_>, found: &mut Analysis) {
+        found.findings.insert(Neighbors::new(&self.0, sums, subject.shape));
+    }
+
+    fn in_simulations(&self) -> Option<Self> {
+        Some(Self(NeighborPlan { bonds: false, ..self.0.clone() }))
+    }
+
+    fn curve_values(&self) -> usize {
+        // G and F.
+        2 * self.0.r.len()
+    }
+}
+
+impl fmt::Display for Neighborhood {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
