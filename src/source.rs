@@ -1,16 +1,18 @@
-//! Where the points come from: memory, files, or a sampler, drawn batch by batch.
+//! Where the points come from: memory, files or a sampler, batch by batch.
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
-use crate::plan::EnsembleShape;
-use crate::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
-use crate::points::{Boundary, Domain, Ensemble};
+use crate::plan::MEMORY_BUDGET;
+use crate::points::read::{Columns, MarkedPoints, PointFile, ReadOptions, each_piece, extension, read_bytes};
+use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints, counts_in_pairs};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
 use crate::samplers::{self, Process};
 use crate::setting::Setting;
@@ -23,13 +25,13 @@ pub struct Source {
     /// What makes these points the ones they are: equal ones are of equal points, realization by realization.
     identity: Value,
     classes: Vec<String>,
-    /// The first weight below 0, and where it stands.
-    negative_weight: Option<(String, f64)>,
+    weights: Weights,
     kind: Kind,
 }
 
 enum Kind {
     Held(Ensemble),
+    Files(Files),
     Process(Process),
     Drawn(Box<Draw>),
     /// Somewhere else: they were measured, and only that was kept.
@@ -38,6 +40,69 @@ enum Kind {
 
 /// Realizations of a range.
 type Draw = dyn Fn(Range<u64>) -> Result<Ensemble> + Send + Sync;
+
+/// What must be known of all weights before any is used.
+#[derive(Debug, Clone, Default)]
+struct Weights {
+    /// The largest magnitude.
+    largest: f64,
+    /// The largest that is the second largest of its realization; `None` where no realization has two points.
+    second: Option<f64>,
+    /// The first below 0, and where it stands.
+    negative: Option<(String, f64)>,
+}
+
+impl Weights {
+    /// Of points that are there; every point weighs 1 where there are none.
+    fn of(ensemble: &Ensemble) -> Self {
+        let mut all = Self::default();
+        for k in 0..ensemble.realizations() {
+            let place = |j| format!("realization {k}, point {j}");
+            match ensemble.weights(k) {
+                Some(weights) => all.see(weights, place),
+                None => all.see(&[1.0, 1.0], place),
+            }
+        }
+        all
+    }
+
+    /// Takes another realization into account.
+    fn see(&mut self, weights: &[f64], place: impl Fn(usize) -> String) {
+        let [mut first, mut second] = [None::<f64>; 2];
+        for (j, &w) in weights.iter().enumerate() {
+            self.largest = self.largest.max(w.abs());
+            if w < 0.0 && self.negative.is_none() {
+                self.negative = Some((place(j), w));
+            }
+            (first, second) = match (first, second) {
+                (Some(a), _) if w <= a => (first, Some(second.map_or(w, |b| b.max(w)))),
+                _ => (Some(w), first),
+            };
+        }
+        self.second = self.second.into_iter().chain(second).reduce(f64::max);
+    }
+}
+
+/// Files that are too large to be held, read when they are needed.
+struct Files {
+    /// Each with the index of its first realization.
+    files: Vec<(u64, PointFile)>,
+    options: ReadOptions,
+    columns: Columns,
+    marks: Marking,
+    /// The file that was read last, if it was read at once.
+    last: Mutex<Option<(usize, Arc<Vec<MarkedPoints>>)>>,
+}
+
+/// What points are marked with, and folded by.
+#[derive(Debug, Clone, Default)]
+struct Marking {
+    wrap: bool,
+    /// Whether there are weights, and the largest of all.
+    largest: Option<f64>,
+    /// The numbers of the classes, if there are any.
+    classes: Option<HashMap<String, u32>>,
+}
 
 impl Source {
     /// Reads the files, or prepares the sampler; resolves the domain.
@@ -66,23 +131,90 @@ impl Source {
         if request.files.is_empty() {
             return Err(Error::setting(Setting::Files, "(none)", "expected point files, or `sampler` NAME `points` N"));
         }
+        Self::files_within(request, MEMORY_BUDGET)
+    }
+
+    /// The same where files are held in memory up to `budget` bytes, and read again when they are needed beyond that.
+    #[doc(hidden)]
+    pub fn files_within(request: &PointsRequest, budget: u64) -> Result<Self> {
         let columns = Columns::new(request.weight_column.as_deref(), request.class_column.as_deref())?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
-        let marked = read_marked(&request.files, &options, &columns)?;
-        let first = marked.first().ok_or_else(|| Error::input("points", "the files hold no realizations"))?;
-        let domain = domain(request, first.points.dim)?;
-        let negative_weight = marked.iter().find_map(|set| {
-            let j = set.weights.iter().position(|&w| w < 0.0)?;
-            Some((set.points.place(j), set.weights[j]))
-        });
-        let (ensemble, classes) = ensemble(marked, &domain, request)?;
+        let mut pass = FirstPass::new(request);
+        let (mut held, mut bytes) = (Some(Vec::new()), 0);
+        let (mut files, mut first) = (Vec::new(), 0);
+        each_piece(&request.files, &options, &columns, |_, file, piece| {
+            pass.see(&piece);
+            let numbers =
+                |set: &MarkedPoints| set.points.coordinates.len() + set.weights.len() + set.points.lines.len();
+            bytes += 8 * piece.iter().map(numbers).sum::<usize>() as u64;
+            match &mut held {
+                Some(held) => held.extend(piece),
+                None => pass.check(&piece)?,
+            }
+            if let Some(file) = file {
+                let lasts = file.lasts() && files.iter().all(|(_, file): &(u64, PointFile)| file.lasts());
+                files.push((first, file));
+                first = pass.sizes.len() as u64;
+                // What was there once, and not again, is kept whatever it takes.
+                if bytes > budget && lasts {
+                    held.take().map_or(Ok(()), |held| pass.check(&held))?;
+                }
+            } else if bytes > budget && files.iter().all(|(_, file)| file.lasts()) {
+                held.take().map_or(Ok(()), |held| pass.check(&held))?;
+            }
+            Ok(())
+        })?;
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let subject = match names.as_slice() {
             [one] => one.clone(),
             [one, ..] => format!("{one} and {} more", names.len() - 1),
             [] => String::new(),
         };
-        Ok(Self { subject, negative_weight, classes, ..Self::of(ensemble) })
+        pass.finish(subject, held, |marks| Files { files, options, columns, marks, last: Mutex::default() })
+    }
+
+    /// Points in the bytes of a file, which `name` is the name of: its end tells apart what the bytes do not.
+    ///
+    /// # Errors
+    /// As `open` of such a file.
+    pub fn from_bytes(name: &str, bytes: &[u8], request: &PointsRequest) -> Result<Self> {
+        let columns = Columns::new(request.weight_column.as_deref(), request.class_column.as_deref())?;
+        let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
+        let sets = read_bytes(name, &extension(Path::new(name)), bytes, &options, &columns)?;
+        let mut pass = FirstPass::new(request);
+        pass.see(&sets);
+        let nothing = |marks| Files { files: Vec::new(), options, columns, marks, last: Mutex::default() };
+        pass.finish(name.to_string(), Some(sets), nothing)
+    }
+
+    /// Realizations of points in memory: of each its coordinates, point by point.
+    ///
+    /// ```
+    /// use pairwave::points::Domain;
+    /// use pairwave::source::Source;
+    ///
+    /// let sets = [vec![0.1, 0.2, 0.7, 0.9], vec![0.5, 0.5]];
+    /// let points = Source::new(Domain::unit_torus(2), &sets)?;
+    /// assert_eq!((points.shape().realizations, points.shape().max_points), (2, 2));
+    /// # Ok::<(), pairwave::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A point outside the domain, by its number; coordinates that do not make whole points; no realizations.
+    pub fn new(domain: Domain, sets: &[impl AsRef<[f64]>]) -> Result<Self> {
+        if sets.is_empty() {
+            return Err(Error::input("points in memory", "there are no realizations"));
+        }
+        let dim = domain.dim();
+        let raw = |(k, set): (usize, &[f64])| {
+            let source = format!("points in memory, realization {k}");
+            match set.len().is_multiple_of(dim) {
+                true => Ok(RawPoints { dim, coordinates: set.to_vec(), source, lines: Vec::new() }),
+                false => Err(Error::input(source, format!("{} numbers are no points of {dim} coordinates", set.len()))),
+            }
+        };
+        let sets = sets.iter().map(AsRef::as_ref).enumerate().map(raw).collect::<Result<Vec<_>>>()?;
+        Ok(Self::of(Ensemble::from_raw(&sets, &domain, false, 0)?))
     }
 
     /// Points that are there already.
@@ -93,7 +225,7 @@ impl Source {
             shape: ensemble.shape(),
             identity: json!({ "points": digest(&ensemble) }),
             classes: Vec::new(),
-            negative_weight: None,
+            weights: Weights::of(&ensemble),
             kind: Kind::Held(ensemble),
         }
     }
@@ -111,7 +243,7 @@ impl Source {
             shape: EnsembleShape { realizations, mean_points: n as f64, max_points },
             identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
             classes: Vec::new(),
-            negative_weight: None,
+            weights: Weights::default(),
             kind: Kind::Process(process),
         }
     }
@@ -119,7 +251,15 @@ impl Source {
     /// Realizations that are made when they are asked for.
     pub(crate) fn drawn(subject: &str, domain: Domain, shape: EnsembleShape, draw: Box<Draw>) -> Self {
         let (identity, kind) = (Value::Null, Kind::Drawn(draw));
-        Self { subject: subject.into(), domain, shape, identity, classes: Vec::new(), negative_weight: None, kind }
+        Self {
+            subject: subject.into(),
+            domain,
+            shape,
+            identity,
+            classes: Vec::new(),
+            weights: Weights::default(),
+            kind,
+        }
     }
 
     /// What is known of points that are not here.
@@ -130,7 +270,7 @@ impl Source {
         classes: Vec<String>,
         identity: Value,
     ) -> Self {
-        Self { subject, domain, shape, identity, classes, negative_weight: None, kind: Kind::Elsewhere }
+        Self { subject, domain, shape, identity, classes, weights: Weights::default(), kind: Kind::Elsewhere }
     }
 
     /// What makes these points the ones they are.
@@ -163,14 +303,15 @@ impl Source {
 
     /// Whether the weights are such that pairs can be counted by them: none below 0, and two of a realization not
     /// negligible.
+    ///
+    /// # Errors
+    /// The first weight below 0, by its place; weights of which all but one are negligible in every realization.
     pub fn check_pair_weights(&self, column: &str) -> Result<()> {
-        let Kind::Held(ensemble) = &self.kind else { return Ok(()) };
-        if let Some((place, weight)) = &self.negative_weight {
+        if let Some((place, weight)) = &self.weights.negative {
             let reason = format!("weight {}; g and K need weights of at least 0, P does not", number(*weight));
             return Err(Error::input(place, reason));
         }
-        let two = |k| ensemble.masses(k).is_none_or(|m| m.iter().filter(|&&u| u > 0).nth(1).is_some());
-        if !(0..ensemble.realizations()).any(two) {
+        if !self.weights.second.is_some_and(|second| counts_in_pairs(second, self.weights.largest)) {
             let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-25 of it)";
             return Err(Error::setting(Setting::WeightColumn, column, reason));
         }
@@ -186,6 +327,7 @@ impl Source {
     pub fn batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
         match &self.kind {
             Kind::Held(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),
+            Kind::Files(files) => files.batch(range, &self.domain, control),
             Kind::Drawn(draw) => draw(range),
             Kind::Elsewhere => {
                 let reason =
@@ -214,33 +356,159 @@ fn digest(ensemble: &Ensemble) -> String {
     format!("{:032x}", hash.digest128())
 }
 
-/// The points with their weights and classes, and the names of the classes.
-fn ensemble(marked: Vec<MarkedPoints>, domain: &Domain, request: &PointsRequest) -> Result<(Ensemble, Vec<String>)> {
-    let (mut raw, mut weights, mut classes) = (Vec::new(), Vec::new(), Vec::new());
-    let mut names: Vec<String> = Vec::new();
-    let mut numbers = HashMap::new();
-    for set in marked {
-        raw.push(set.points);
-        weights.extend(set.weights);
-        for label in set.labels {
-            let number = *numbers.entry(label).or_insert_with_key(|label| {
-                names.push(label.clone());
-                names.len() as u32 - 1
-            });
-            classes.push(number);
+impl Files {
+    fn batch(&self, range: Range<u64>, domain: &Domain, control: &Control) -> Result<Ensemble> {
+        let at = self.files.partition_point(|(first, _)| *first <= range.start).saturating_sub(1);
+        let mut sets = Vec::new();
+        for (k, (first, file)) in self.files.iter().enumerate().skip(at).take_while(|(_, f)| f.0 < range.end) {
+            control.check()?;
+            let end = self.files.get(k + 1).map_or(range.end, |next| next.0).min(range.end);
+            let within = range.start.max(*first) - first..end - first;
+            match file {
+                PointFile::Rows(_) => sets.extend(file.read(within, &self.options, &self.columns)?),
+                PointFile::Whole(_) => {
+                    let whole = self.whole(k, file)?;
+                    let changed =
+                        || Error::input(place(&whole), "holds fewer realizations than when it was first read");
+                    let some = whole.get(within.start as usize..within.end as usize).ok_or_else(changed)?;
+                    sets.extend_from_slice(some);
+                }
+            }
+        }
+        self.marks.ensemble(sets, domain, range.start)
+    }
+
+    /// A file that is read at once; the last one is kept, since batches may cut it.
+    fn whole(&self, k: usize, file: &PointFile) -> Result<Arc<Vec<MarkedPoints>>> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, sets)) = last.as_ref().filter(|(at, _)| *at == k) {
+            return Ok(sets.clone());
+        }
+        let sets = Arc::new(file.read(0..0, &self.options, &self.columns)?);
+        *last = Some((k, sets.clone()));
+        Ok(sets)
+    }
+}
+
+/// Where the first of some sets stands.
+fn place(sets: &[MarkedPoints]) -> String {
+    sets.first().map_or("points".into(), |set| set.points.source.clone())
+}
+
+impl Marking {
+    /// Realizations from `first` on.
+    fn ensemble(&self, sets: Vec<MarkedPoints>, domain: &Domain, first: u64) -> Result<Ensemble> {
+        let (mut raw, mut weights, mut classes) = (Vec::new(), Vec::new(), Vec::new());
+        for set in sets {
+            if let Some(numbers) = &self.classes {
+                // A label that was not there when the file was first read is in no class.
+                classes.extend(set.labels.iter().map(|label| numbers.get(label).copied().unwrap_or(u32::MAX)));
+            }
+            raw.push(set.points);
+            weights.extend(set.weights);
+        }
+        let mut ensemble = Ensemble::from_raw(&raw, domain, self.wrap, first)?;
+        if let Some(largest) = self.largest {
+            ensemble = ensemble.with_weights_of(&weights, largest);
+        }
+        if self.classes.is_some() {
+            ensemble = ensemble.with_classes(classes);
+        }
+        Ok(ensemble)
+    }
+}
+
+/// What a look at all points, once, finds out.
+struct FirstPass<'a> {
+    request: &'a PointsRequest,
+    dim: Option<usize>,
+    sizes: Vec<u64>,
+    hash: Xxh3Default,
+    weights: Weights,
+    names: Vec<String>,
+    numbers: HashMap<String, u32>,
+}
+
+impl<'a> FirstPass<'a> {
+    fn new(request: &'a PointsRequest) -> Self {
+        Self {
+            request,
+            dim: None,
+            sizes: Vec::new(),
+            hash: Xxh3Default::new(),
+            weights: Weights::default(),
+            names: Vec::new(),
+            numbers: HashMap::new(),
         }
     }
-    let mut ensemble = Ensemble::from_raw(&raw, domain, request.wrap, 0)?;
-    if let Some(column) = &request.weight_column {
-        if weights.iter().all(|&w| w == 0.0) {
+
+    fn domain(&self) -> Result<Domain> {
+        let nothing = || Error::input("points", "the files hold no realizations");
+        domain(self.request, self.dim.ok_or_else(nothing)?)
+    }
+
+    fn see(&mut self, sets: &[MarkedPoints]) {
+        for set in sets {
+            self.dim.get_or_insert(set.points.dim);
+            self.sizes.push(set.points.len() as u64);
+            self.hash.update(&(set.points.len() as u64).to_le_bytes());
+            for x in set.points.coordinates.iter().chain(&set.weights) {
+                self.hash.update(&x.to_le_bytes());
+            }
+            self.weights.see(&set.weights, |j| set.points.place(j));
+            for label in &set.labels {
+                self.hash.update(&(label.len() as u64).to_le_bytes());
+                self.hash.update(label.as_bytes());
+                if !self.numbers.contains_key(label) {
+                    self.numbers.insert(label.clone(), self.names.len() as u32);
+                    self.names.push(label.clone());
+                }
+            }
+        }
+    }
+
+    /// Whether points that are not held can be used.
+    fn check(&self, sets: &[MarkedPoints]) -> Result<()> {
+        let domain = self.domain()?;
+        for set in sets {
+            Ensemble::from_raw(std::slice::from_ref(&set.points), &domain, self.request.wrap, 0)?;
+        }
+        Ok(())
+    }
+
+    fn finish(
+        self,
+        subject: String,
+        held: Option<Vec<MarkedPoints>>,
+        files: impl FnOnce(Marking) -> Files,
+    ) -> Result<Source> {
+        let domain = self.domain()?;
+        let Self { request, sizes, hash, weights, names, numbers, .. } = self;
+        let mut marks = Marking {
+            wrap: request.wrap,
+            largest: request.weight_column.is_some().then_some(weights.largest),
+            classes: request.class_column.is_some().then_some(numbers),
+        };
+        let no_weight = marks.largest == Some(0.0);
+        if no_weight {
+            // What is wrong with the points is said first.
+            marks.largest = None;
+        }
+        let kind = match held {
+            Some(sets) => Kind::Held(marks.ensemble(sets, &domain, 0)?),
+            None => Kind::Files(files(marks)),
+        };
+        if let Some(column) = request.weight_column.as_ref().filter(|_| no_weight) {
             return Err(Error::setting(Setting::WeightColumn, column, "all weights are 0"));
         }
-        ensemble = ensemble.with_weights(&weights);
+        let identity = json!({
+            "digest": format!("{:032x}", hash.digest128()),
+            "weights": request.weight_column,
+            "classes": request.class_column,
+            "wrap": request.wrap,
+        });
+        Ok(Source { subject, domain, shape: EnsembleShape::of(&sizes), identity, classes: names, weights, kind })
     }
-    if request.class_column.is_some() {
-        ensemble = ensemble.with_classes(classes);
-    }
-    Ok((ensemble, names))
 }
 
 /// The number of axes that `--box` or `--window` fix.

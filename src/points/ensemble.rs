@@ -87,12 +87,14 @@ impl Ensemble {
     /// power of two at or above the largest magnitude, which drops out of all estimates. Spectra take them as they are, of
     /// either sign; g and K, where weights are at least 0, as multiples of 2^-24, so that each is off by at most 2^-24 of
     /// the largest.
-    pub fn with_weights(mut self, weights: &[f64]) -> Self {
+    pub fn with_weights(self, weights: &[f64]) -> Self {
         let largest = weights.iter().fold(0.0, |l: f64, w| l.max(w.abs()));
-        // Divided by the power of two below first: the one above may not be finite.
-        let below = 2f64.powi(libm::ilogb(largest).clamp(-1022, 1023));
-        let units = if below < largest { 0.5 } else { 1.0 };
-        let scaled: Vec<f64> = weights.iter().map(|w| w / below * units).collect();
+        self.with_weights_of(weights, largest)
+    }
+
+    /// The same where `largest` is the largest magnitude in more realizations than these.
+    pub(crate) fn with_weights_of(mut self, weights: &[f64], largest: f64) -> Self {
+        let scaled: Vec<f64> = scaled(weights, largest).collect();
         self.masses = Some(masses(&scaled));
         self.weights = Some(scaled);
         self
@@ -259,6 +261,19 @@ impl Ensemble {
         };
         (0..self.realizations()).into_par_iter().map(in_realization).sum()
     }
+}
+
+/// Weights over the power of two at or above the largest magnitude.
+fn scaled(weights: &[f64], largest: f64) -> impl Iterator<Item = f64> {
+    // Divided by the power of two below first: the one above may not be finite.
+    let below = 2f64.powi(libm::ilogb(largest).clamp(-1022, 1023));
+    let units = if below < largest { 0.5 } else { 1.0 };
+    weights.iter().map(move |w| w / below * units)
+}
+
+/// Whether a weight is not negligible beside the largest magnitude, for pairs.
+pub(crate) fn counts_in_pairs(weight: f64, largest: f64) -> bool {
+    masses(&scaled(&[weight], largest).collect::<Vec<_>>()).iter().any(|&mass| mass > 0)
 }
 
 /// Weights in steps of 2^-24.

@@ -9,6 +9,7 @@ mod shape;
 pub mod write;
 
 pub use domain::{Boundary, Domain};
+pub(crate) use ensemble::counts_in_pairs;
 pub use ensemble::{Ensemble, UNIT_MASS};
 pub(crate) use fixed_point::round32;
 pub use shape::EnsembleShape;

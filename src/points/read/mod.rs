@@ -41,13 +41,70 @@ const KNOWN_EXTENSIONS: [&str; 12] =
 
 /// Reads every realization of every file, in order. An input is a file, a directory (its files in natural order,
 /// hidden files and subdirectories left out), a pattern with `*`, `?` or `[...]`, or `-` for standard input.
+///
+/// # Errors
+/// Names the file, line or point, what was found and what would be right.
 pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoints>> {
     let marked = read_marked(inputs, options, &Columns::default())?;
     Ok(marked.into_iter().map(|set| set.points).collect())
 }
 
 /// The same, with the columns that hold no coordinates.
+///
+/// # Errors
+/// As `read_all`.
 pub fn read_marked(inputs: &[PathBuf], options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+    let mut batch = Vec::new();
+    each_piece(inputs, options, columns, |_, _, piece| {
+        batch.extend(piece);
+        Ok(())
+    })?;
+    Ok(batch)
+}
+
+/// Where realizations lie: a file that is read at once, or one of whose rows some can be read.
+#[derive(Debug)]
+pub(crate) enum PointFile {
+    Whole(PathBuf),
+    Rows(npy::Rows),
+}
+
+/// Bytes of a piece of a large file.
+const PIECE: u64 = 64 << 20;
+
+impl PointFile {
+    fn open(path: PathBuf, options: &ReadOptions, columns: &Columns) -> Self {
+        let rows = (options.raw.is_none() && !is_stdin(&path)).then(|| npy::Rows::open(&path, columns)).flatten();
+        rows.map_or(Self::Whole(path), Self::Rows)
+    }
+
+    /// Whether it can be read again.
+    pub(crate) fn lasts(&self) -> bool {
+        !matches!(self, Self::Whole(path) if is_stdin(path))
+    }
+
+    /// The realizations of a range, counted within the file; all of them where it is read at once.
+    pub(crate) fn read(
+        &self,
+        range: std::ops::Range<u64>,
+        options: &ReadOptions,
+        columns: &Columns,
+    ) -> Result<Vec<MarkedPoints>> {
+        match self {
+            Self::Whole(path) => read_file(path, options, columns),
+            Self::Rows(rows) => rows.read(range, columns),
+        }
+    }
+}
+
+/// Hands every realization of every file to `each`, in order and in pieces that fit into memory: with the number of the file,
+/// and the file with its last piece.
+pub(crate) fn each_piece(
+    inputs: &[PathBuf],
+    options: &ReadOptions,
+    columns: &Columns,
+    mut each: impl FnMut(usize, Option<PointFile>, Vec<MarkedPoints>) -> Result<()>,
+) -> Result<()> {
     let form = "expected files, a directory, a pattern such as 'set_*.npy', or - for standard input";
     if inputs.is_empty() {
         return Err(Error::setting(Setting::Files, "(none)", form));
@@ -55,17 +112,37 @@ pub fn read_marked(inputs: &[PathBuf], options: &ReadOptions, columns: &Columns)
     if inputs.iter().filter(|p| is_stdin(p)).count() > 1 {
         return Err(Error::setting(Setting::Files, "- -", "standard input can be read only once"));
     }
-    let mut batch: Vec<MarkedPoints> = Vec::new();
+    let (mut number, mut first) = (0, None);
+    let mut check = |piece: &[MarkedPoints]| {
+        for set in piece {
+            check_dim(&set.points, first.as_ref(), options)?;
+            first.get_or_insert_with(|| RawPoints { coordinates: Vec::new(), lines: Vec::new(), ..set.points.clone() });
+        }
+        Ok(())
+    };
     for input in inputs {
         for path in expand(input, options)? {
-            let sets = read_file(&path, options, columns)?;
-            for set in &sets {
-                check_dim(&set.points, batch.first().or(sets.first()).map(|first| &first.points), options)?;
+            let file = PointFile::open(path, options, columns);
+            let (all, at_once) = match &file {
+                PointFile::Whole(_) => (1, 1),
+                PointFile::Rows(rows) => (rows.realizations(), (PIECE / (8 * rows.numbers()).max(1)).max(1)),
+            };
+            let mut file = Some(file);
+            let mut start = 0;
+            while start < all {
+                let end = (start + at_once).min(all);
+                let Some(piece) = file.as_ref().map(|file| file.read(start..end, options, columns)) else { break };
+                let piece = piece?;
+                check(&piece)?;
+                // Handed over with the last piece: until then it is read from here.
+                let done = if end == all { file.take() } else { None };
+                each(number, done, piece)?;
+                start = end;
             }
-            batch.extend(sets);
+            number += 1;
         }
     }
-    Ok(batch)
+    Ok(())
 }
 
 fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) -> Result<()> {
@@ -158,7 +235,7 @@ fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-fn extension(path: &Path) -> String {
+pub(crate) fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
@@ -195,7 +272,8 @@ pub(crate) fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -
     read_bytes(&name, &extension(path), &bytes, options, columns)
 }
 
-fn read_bytes(
+/// Every realization of bytes that are a file's, at least one.
+pub(crate) fn read_bytes(
     name: &str,
     extension: &str,
     bytes: &[u8],
@@ -262,13 +340,17 @@ fn unknown(name: &str, bytes: &[u8], rows: Rows) -> Error {
 struct Sets {
     width: usize,
     sets: Vec<Vec<f64>>,
+    /// The number of the first, where these are some of many.
+    first: Option<u64>,
 }
 
 /// One set is called by its file; several are numbered from 0. Binary files name no columns.
-fn numbered(name: &str, Sets { width, sets }: Sets, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+fn numbered(name: &str, Sets { width, sets, first }: Sets, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let marks = columns.find(width, &[]).map_err(|reason| Error::input(name, reason))?;
-    let single = sets.len() == 1;
-    let source = |k: usize| if single { name.to_owned() } else { format!("{name}, realization {k}") };
+    let single = sets.len() == 1 && first.is_none();
+    let source = |k: usize| {
+        if single { name.to_owned() } else { format!("{name}, realization {}", first.unwrap_or(0) + k as u64) }
+    };
     let set = |(k, coordinates)| {
         MarkedPoints::split(RawPoints { dim: width, coordinates, source: source(k), lines: Vec::new() }, marks)
     };

@@ -3,7 +3,12 @@
 //! The dictionary is read here rather than by a library because its shape decides how much is allocated and because
 //! every message names what was found; the general parsers recurse on hostile nesting and multiply shapes unchecked.
 
-use super::{Columns, Element, Sets, check_length, plural};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::{Columns, Element, MarkedPoints, Sets, check_length, numbered, plural};
 use crate::error::{Error, Result};
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -38,7 +43,61 @@ pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> 
     } else {
         flat.chunks_exact(n * d).map(<[f64]>::to_vec).collect()
     };
-    Ok(Sets { width: d, sets })
+    Ok(Sets { width: d, sets, first: None })
+}
+
+/// An array (K, n, d) in C order whose realizations are read when they are needed.
+#[derive(Debug)]
+pub(crate) struct Rows {
+    path: PathBuf,
+    data: u64,
+    element: Element,
+    big_endian: bool,
+    /// K, n and d.
+    sizes: [u64; 3],
+}
+
+impl Rows {
+    /// `None` for what is another file or array, or a damaged one: `read` says what is wrong with it.
+    pub(super) fn open(path: &Path, columns: &Columns) -> Option<Self> {
+        const FRONT: u64 = 1 << 17;
+        let file = File::open(path).ok()?;
+        let length = file.metadata().ok()?.len();
+        let mut front = Vec::new();
+        file.take(FRONT).read_to_end(&mut front).ok()?;
+        let (text, rest) = front.starts_with(MAGIC).then(|| split(&front).ok()).flatten()?;
+        let Header { element, big_endian, fortran, shape, .. } = parse(text).ok()?;
+        let (k, n, d) = sizes(&shape, columns).ok()?;
+        let data = (front.len() - rest.len()) as u64;
+        let bytes = k.checked_mul(n)?.checked_mul(d)?.checked_mul(element.bytes() as u64)?;
+        let whole = !fortran && k > 1 && n > 0 && data.checked_add(bytes)? == length;
+        whole.then(|| Self { path: path.to_owned(), data, element, big_endian, sizes: [k, n, d] })
+    }
+
+    /// How many realizations it holds.
+    pub(super) fn realizations(&self) -> u64 {
+        self.sizes[0]
+    }
+
+    /// Numbers in each of them.
+    pub(super) fn numbers(&self) -> u64 {
+        self.sizes[1] * self.sizes[2]
+    }
+
+    /// Some of them.
+    pub(super) fn read(&self, range: Range<u64>, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+        let numbers = self.numbers() as usize;
+        let each = numbers as u64 * self.element.bytes() as u64;
+        let mut bytes = vec![0; ((range.end - range.start) * each) as usize];
+        let mut file = File::open(&self.path).map_err(|e| Error::file(&self.path, e))?;
+        file.seek(SeekFrom::Start(self.data + range.start * each))
+            .and_then(|_| file.read_exact(&mut bytes))
+            .map_err(|e| Error::file(&self.path, e))?;
+        let flat = self.element.decode(&bytes, self.big_endian);
+        let sets = flat.chunks_exact(numbers).map(<[f64]>::to_vec).collect();
+        let sets = Sets { width: self.sizes[2] as usize, sets, first: Some(range.start) };
+        numbered(&self.path.display().to_string(), sets, columns)
+    }
 }
 
 /// Header text and data.

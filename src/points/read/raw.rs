@@ -102,7 +102,7 @@ pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Column
         );
         return Err(Error::input(name, reason));
     }
-    numbered(name, Sets { width: layout.width, sets: vec![element.decode(bytes, false)] }, columns)
+    numbered(name, Sets { width: layout.width, sets: vec![element.decode(bytes, false)], first: None }, columns)
 }
 
 /// Whether `bytes` are pairs of fractions, as in `.rps`. An f64 in [2^-7, 1) read as two f32 gives one at or above 1,

@@ -51,5 +51,5 @@ pub(super) fn read(name: &str, bytes: &[u8], rows: Rows) -> Result<Sets> {
         );
         return Err(Error::input(name, reason));
     }
-    Ok(Sets { width: d as usize, sets: sets.iter().map(|set| element.decode(set, false)).collect() })
+    Ok(Sets { width: d as usize, sets: sets.iter().map(|set| element.decode(set, false)).collect(), first: None })
 }
