@@ -335,7 +335,7 @@ impl Source {
                 Err(Error::input(&self.subject, reason))
             }
             Kind::Process(p) => {
-                let on_unit = samplers::ensemble(p.sampler, p.n, p.dim, p.seed, range, &p.values, control)?;
+                let on_unit = samplers::ensemble(&*p.sampler, p.n, p.dim, p.seed, range, &p.values, control)?;
                 Ok(on_unit.stretched(&self.domain))
             }
         }

@@ -176,14 +176,11 @@ fn what_is_not_of_one_whole_is_refused_by_name() {
         ("P, sectors", format!("{base} --sectors 4")),
         ("P, accuracy", format!("{base} --accuracy high")),
         ("g of the vector, lags, half", format!("{base} --lag-max 0.1")),
-        ("g(r), correction", base.replace("--sampler random", "--sampler random --correction translation")),
         ("sums, neighbours", base.replace(",neighbors", "")),
     ];
     let first = request(base);
     for (what, line) in others {
-        let Ok(other) = Measurement::of(&request(&line)).and_then(|m| m.within(16..32, &device)) else { continue };
-        let mut other = other;
-        while other.step(&device, &Control::default()).unwrap() {}
+        let other = shard(&request(&line), 16..32, &device);
         let mut merged = shard(&first, 0..16, &device);
         let before = merged.write();
         let error = merged.merge(other).unwrap_err().to_string();

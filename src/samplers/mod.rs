@@ -26,7 +26,7 @@ use crate::points::{Domain, Ensemble, RawPoints};
 use crate::setting::Setting;
 
 pub use parameters::{Accepts, Parameter, ParameterValues};
-pub use process::Process;
+pub use process::{AnySampler, Process};
 
 /// Every process, in the order of `pairwave samplers`.
 static REGISTRY: [&dyn Sampler; 6] =

@@ -1,14 +1,37 @@
 //! A sampler with all that it takes.
 
+use std::ops::Deref;
+use std::sync::Arc;
+
 use super::{ParameterValues, Realization, Sampler, find};
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 use crate::setting::Setting;
 
+/// A sampler of the registry, or somebody's own.
+#[derive(Clone)]
+pub enum AnySampler {
+    /// Of the registry.
+    Known(&'static dyn Sampler),
+    /// Somebody's own.
+    Own(Arc<dyn Sampler>),
+}
+
+impl Deref for AnySampler {
+    type Target = dyn Sampler;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Known(sampler) => *sampler,
+            Self::Own(sampler) => sampler.as_ref(),
+        }
+    }
+}
+
 /// A sampler with everything that determines its realizations.
 pub struct Process {
     /// The sampler.
-    pub sampler: &'static dyn Sampler,
+    pub sampler: AnySampler,
     /// Its parameters.
     pub values: ParameterValues,
     /// Points per realization, expected where the sampler draws it.
@@ -23,9 +46,23 @@ pub struct Process {
 
 impl Process {
     /// Checks the name, the parameters and n.
+    ///
+    /// # Errors
+    /// A name or parameters that are not known, n that the sampler cannot draw, no realizations.
     pub fn new(name: &str, n: u64, realizations: u64, dim: usize, seed: u64, params: &[String]) -> Result<Self> {
-        let sampler = find(name)?;
-        let values = ParameterValues::parse(sampler, params)?;
+        Self::of(AnySampler::Known(find(name)?), n, realizations, dim, seed, params)
+    }
+
+    /// Of a sampler of one's own, with its parameters as they are.
+    ///
+    /// # Errors
+    /// n that the sampler cannot draw, no realizations.
+    pub fn own(sampler: Arc<dyn Sampler>, n: u64, realizations: u64, dim: usize, seed: u64) -> Result<Self> {
+        Self::of(AnySampler::Own(sampler), n, realizations, dim, seed, &[])
+    }
+
+    fn of(sampler: AnySampler, n: u64, realizations: u64, dim: usize, seed: u64, params: &[String]) -> Result<Self> {
+        let values = ParameterValues::parse(&*sampler, params)?;
         sampler.check(n, dim, &values)?;
         if realizations == 0 {
             return Err(Error::setting(Setting::Realizations, 0, "expected at least 1 realization"));

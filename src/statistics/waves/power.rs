@@ -100,7 +100,6 @@ impl Group for Waves {
         json!({
             "waves": waves,
             "convention": [plan.convention.to_string(), plan.bug_compatible.to_string()],
-            "rings": plan.rings.count,
             "sectors": plan.rings.sectors.count,
             "taper": plan.taper.map(|t| json!({ "taper": t.taper.to_string(), "orders": t.orders, "debias": t.debias.to_string() })),
             "rings_only": plan.rings_only,
