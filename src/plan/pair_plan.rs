@@ -40,6 +40,9 @@ pub struct PairSettings {
     pub masses: bool,
 }
 
+/// The largest weight of isotropic edge correction, as in spatstat.
+pub const MAX_ISOTROPIC: f64 = 100.0;
+
 impl From<Correction> for PairSettings {
     fn from(correction: Correction) -> Self {
         Self { correction, cumulative: false, beyond_half: false, masses: false }

@@ -2,7 +2,7 @@
 
 use super::kernel::{self, KernelSpec, ShaderFile};
 use super::params;
-use crate::plan::{BinFilter, BinTable, Correction, PairPlan};
+use crate::plan::{BinFilter, BinTable, Correction, MAX_ISOTROPIC, PairPlan};
 
 /// Points in registers per invocation.
 pub(super) const POINTS_PER_LANE: u32 = 4;
@@ -143,7 +143,7 @@ fn largest_addend(plan: &PairPlan) -> f64 {
         }
         // A circle no wider than the window crosses at most two sides, which meet: a quarter of it is inside.
         Correction::Isotropic if ratio <= 0.5 => 2.0 * 4.0,
-        Correction::Isotropic => 2.0 * 100.0,
+        Correction::Isotropic => 2.0 * MAX_ISOTROPIC,
     }
 }
 

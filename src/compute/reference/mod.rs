@@ -1,10 +1,16 @@
 //! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized.
 
 mod kernel_sums;
+mod lag_counts;
+mod neighbors;
 mod pair_counts;
-pub(in crate::compute) mod tapered_power;
+mod tapered_power;
 mod wave_covariance;
-pub(in crate::compute) mod wave_power;
+mod wave_power;
+
+pub use pair_counts::{isotropic_weight, translation_weight};
+pub use wave_power::phase_turns;
+
 use super::Compute;
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{CovarianceSums, KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
@@ -12,10 +18,6 @@ use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
-pub(crate) use pair_counts::MAX_ISOTROPIC;
-pub use pair_counts::{isotropic_weight, translation_weight};
-pub use wave_power::phase_turns;
-mod lag_counts;
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -48,9 +50,7 @@ impl Compute for Reference {
         for k in 0..ensemble.realizations() {
             let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
             let power = match plan.tapered() {
-                Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &axes, weights, |weights| {
-                    wave_power::amplitudes(&plan.waves, &axes, Some(weights), control)
-                })?,
+                Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &axes, weights, control)?,
                 None => wave_power::wave_power(&plan.waves, &axes, weights, control)?,
             };
             sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
