@@ -48,6 +48,7 @@ pub mod estimate;
 mod named;
 pub mod plan;
 pub mod points;
+mod pool;
 pub mod report;
 pub mod request;
 pub mod samplers;
@@ -57,4 +58,5 @@ pub mod source;
 mod statistics;
 
 pub use error::{Error, Result};
+pub use pool::{Pool, check_threads};
 pub use setting::Setting;

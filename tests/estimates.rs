@@ -394,7 +394,7 @@ fn binned_kernel_sums_keep_their_bound() {
             let kernel = Kernel { shape, bandwidth: 0.01 };
             let many = kernel_plan(&e, kernel, Divisor::R, &r, correction, 1e7);
             assert_eq!((many.road, many.pairs.bins.scale()), (KernelRoad::Binned, BinScale::Linear));
-            let binned = binned_kernel_sums(&Reference, &many, &e, &Control::default()).unwrap();
+            let binned = binned_kernel_sums(&Reference, cpu().pool(), &many, &e, &Control::default()).unwrap();
             let binned = KernelEstimate::new(&many, &binned, Normalization::Pairs);
             let exact = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, correction, 400.0), &e);
             assert_eq!(binned.g[0], None, "r = 0 is undefined");

@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::estimate::{CrossValidation, Normalization};
 use crate::plan::{BandwidthSearch, EnsembleShape};
 use crate::points::Ensemble;
+use crate::pool::Pool;
 
 /// What there is to measure.
 pub(super) struct Input<'a> {
@@ -21,7 +22,7 @@ pub(super) struct Input<'a> {
     /// Number of realizations.
     pub(super) realizations: u64,
     /// Those of a range.
-    pub(super) batch: &'a dyn Fn(Range<u64>) -> Result<Ensemble>,
+    pub(super) batch: &'a (dyn Fn(Range<u64>) -> Result<Ensemble> + Sync),
     /// The normalization of g, which a bandwidth found by cross-validation depends on.
     pub(super) normalization: Normalization,
 }
@@ -59,15 +60,17 @@ pub(super) fn measure<'a>(
     let mut cross_validation = None;
     if let (Some(search), Some(kernel)) = (&plan.search, &plan.kernel) {
         let counts = search_counts(search, &plan, input, device, control, clock, tell)?;
-        let found = clock
-            .time("cross-validation", || CrossValidation::new(search, &counts, kernel.divisor, input.normalization));
+        let (divisor, normalization) = (kernel.divisor, input.normalization);
+        let find = || CrossValidation::new(search, &counts, divisor, normalization);
+        let found = clock.time("cross-validation", || device.pool().install(find));
         let kernel = kernel.with_bandwidth(found.bandwidth)?;
         plan = Cow::Owned(Plan { kernel: Some(kernel), ..plan.into_owned() });
         cross_validation = Some(found);
     }
     let (mut sums, mut sizes, mut duplicates, mut first) = (Sums::default(), Vec::new(), 0, None);
-    each_batch(plan.batch, input, control, clock, tell, |batch, clock, tell| {
-        duplicates += batch.duplicates();
+    let pool = device.pool();
+    each_batch(plan.batch, input, &pool, control, clock, tell, |batch, clock, tell| {
+        duplicates += pool.install(|| batch.duplicates());
         sizes.extend((0..batch.realizations()).map(|k| batch.points_in(k) as u64));
         sums.merge(Sums::measure(&plan, batch, device, control, clock, tell)?)?;
         first.get_or_insert_with(|| batch.slice(0..1));
@@ -88,7 +91,8 @@ fn search_counts(
     tell: &mut dyn FnMut(&'static str, u64),
 ) -> Result<PairCounts> {
     let mut counts = None;
-    each_batch(plan.batch, input, control, clock, tell, |batch, clock, tell| {
+    let pool = device.pool();
+    each_batch(plan.batch, input, &pool, control, clock, tell, |batch, clock, tell| {
         tell("pair_counts (bandwidth)");
         let next = clock.time("pair_counts (bandwidth)", || device.pair_counts(&search.pairs, batch, control))?;
         merge(&mut counts, Some(next), |a: &mut PairCounts, b| a.merge(&b))
@@ -100,18 +104,20 @@ fn search_counts(
 fn each_batch(
     size: u64,
     input: &Input<'_>,
+    pool: &Pool,
     control: &Control,
     clock: &mut Clock,
     tell: &mut dyn FnMut(&'static str, u64),
     mut work: impl FnMut(&Ensemble, &mut Clock, &mut dyn FnMut(&'static str)) -> Result<()>,
 ) -> Result<()> {
+    let draw = input.batch;
     let mut start = 0;
     while start < input.realizations {
         control.check()?;
         let end = (start + size).min(input.realizations);
         let mut tell = |stage| tell(stage, start);
         tell("points");
-        let batch = clock.time("points", || (input.batch)(start..end))?;
+        let batch = clock.time("points", || pool.install(|| draw(start..end)))?;
         work(&batch, clock, &mut tell)?;
         start = end;
     }

@@ -70,7 +70,7 @@ pub fn run(
     control: &Control,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Analysis> {
-    let mut device = WithFallback::new(compute, request.threads);
+    let mut device = WithFallback::new(compute, request.threads)?;
     let mut clock = Clock::default();
     let total = source.shape().realizations;
     let input = Input {

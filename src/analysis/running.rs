@@ -251,26 +251,29 @@ impl Running {
             self.check()?;
             return Ok(false);
         };
+        let mut device = WithFallback::new(compute, self.request.threads)?;
         let size = track.next_step(total);
         let start = track.done;
         let known = self.batch.as_ref().filter(|b| b.first_index() == start && b.realizations() as u64 == size);
         let batch = match known {
             Some(batch) => batch.clone(),
-            None => self.clock.time("points", || self.source.batch(start..start + size, control))?,
+            None => {
+                let (source, range) = (&self.source, start..start + size);
+                self.clock.time("points", || device.pool().install(|| source.batch(range, control)))?
+            }
         };
-        let mut device = WithFallback::new(compute, self.request.threads);
         track.measure(&batch, &mut device, control, &mut self.clock)?;
+        if start == self.sizes.len() as u64 {
+            self.sizes.extend((0..batch.realizations()).map(|k| batch.points_in(k) as u64));
+            self.duplicates += device.pool().install(|| batch.duplicates());
+        }
+        self.first.get_or_insert_with(|| batch.slice(0..1));
+        self.batch = Some(batch);
         for warning in device.into_warnings() {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
         }
-        if start == self.sizes.len() as u64 {
-            self.sizes.extend((0..batch.realizations()).map(|k| batch.points_in(k) as u64));
-            self.duplicates += batch.duplicates();
-        }
-        self.first.get_or_insert_with(|| batch.slice(0..1));
-        self.batch = Some(batch);
         Ok(true)
     }
 

@@ -89,7 +89,7 @@ impl Sums {
         }
         if let Some(plan) = &plan.neighbors {
             stage("neighbors", &mut || {
-                sums.neighbors = Some(neighbor_sums(plan, batch, control)?);
+                sums.neighbors = Some(device.pool().install(|| neighbor_sums(plan, batch, control))?);
                 Ok(())
             })?;
         }

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use pairwave::analysis::{self, Plan};
-use pairwave::compute::cpu::check_threads;
 use pairwave::request::{Request, shell_words};
 use pairwave::source::Source;
-use pairwave::{Result, report};
+use pairwave::{Result, check_threads, report};
 
 use super::print;
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
@@ -43,8 +42,6 @@ impl Analyze {
         }
         if let Some(threads) = self.request.threads {
             check_threads(threads)?;
-            // Samplers and neighbours work in the global pool; a second call in one process would be our own mistake.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         let control = stop_on_interrupt()?;
         let source = Source::open(&self.request.input)?;

@@ -6,21 +6,29 @@ use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
+use crate::pool::Pool;
 
 /// Computes on a device, and on the CPU path what the device does not do, or everything once it has failed. Says so.
 pub(crate) struct WithFallback<'a> {
     device: &'a dyn Compute,
     cpu: Option<Cpu>,
-    threads: Option<usize>,
+    /// For the CPU path, and all parallel work around a device.
+    pool: Pool,
     /// The device failed; everything goes to the CPU path from here on.
     failed: bool,
     warnings: Vec<String>,
 }
 
 impl<'a> WithFallback<'a> {
-    /// `threads` is for the CPU path, which is made ready when it is first needed.
-    pub(crate) fn new(device: &'a dyn Compute, threads: Option<usize>) -> Self {
-        Self { device, cpu: None, threads, failed: false, warnings: Vec::new() }
+    /// `threads` is for the CPU path, which is made ready when it is first needed. A device's own threads go before.
+    pub(crate) fn new(device: &'a dyn Compute, threads: Option<usize>) -> Result<Self> {
+        let pool = device.pool().cloned().map_or_else(|| Pool::new(threads), Ok)?;
+        Ok(Self { device, cpu: None, pool, failed: false, warnings: Vec::new() })
+    }
+
+    /// Where parallel work around the device runs.
+    pub(crate) fn pool(&self) -> Pool {
+        self.pool.clone()
     }
 
     pub(crate) fn pair_counts(
@@ -59,12 +67,15 @@ impl<'a> WithFallback<'a> {
         control: &Control,
     ) -> Result<KernelSums> {
         match plan.road {
-            KernelRoad::Binned => self.run(self.device.supports_pair_counts(&plan.pairs), |c| {
-                binned_kernel::kernel_sums(c, plan, ensemble, control)
-            }),
+            KernelRoad::Binned => {
+                let pool = self.pool();
+                self.run(self.device.supports_pair_counts(&plan.pairs), |c| {
+                    binned_kernel::kernel_sums(c, &pool, plan, ensemble, control)
+                })
+            }
             KernelRoad::Direct => match self.device.kernel_sums(plan, ensemble, control) {
                 Some(sums) => sums,
-                None => self.cpu()?.direct_kernel_sums(plan, ensemble, control),
+                None => self.cpu().direct_kernel_sums(plan, ensemble, control),
             },
         }
     }
@@ -78,7 +89,7 @@ impl<'a> WithFallback<'a> {
     ) -> Result<WaveCovariance> {
         match self.device.wave_covariance(plan, ensemble, control) {
             Some(sums) => sums,
-            None => self.cpu()?.amplitude_products(plan, ensemble, control),
+            None => self.cpu().amplitude_products(plan, ensemble, control),
         }
     }
 
@@ -101,14 +112,11 @@ impl<'a> WithFallback<'a> {
                 Err(why) => self.warn(format!("{why}; done on the native CPU path")),
             }
         }
-        work(self.cpu()?)
+        work(self.cpu())
     }
 
-    fn cpu(&mut self) -> Result<&Cpu> {
-        match &mut self.cpu {
-            Some(cpu) => Ok(cpu),
-            none => Ok(none.insert(Cpu::new(self.threads)?)),
-        }
+    fn cpu(&mut self) -> &Cpu {
+        self.cpu.get_or_insert_with(|| Cpu::with_pool(self.pool.clone()))
     }
 
     fn warn(&mut self, warning: String) {

@@ -22,6 +22,7 @@ use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
 use crate::points::Ensemble;
+use crate::pool::Pool;
 
 /// The least number from `least` on that shares no divisor with `n` (or `n` itself, where that is 0 or there is none below).
 pub(crate) fn coprime_from(least: usize, n: usize) -> usize {
@@ -61,6 +62,11 @@ pub trait Compute: Send + Sync {
     /// What the roads to a spectrum cost here.
     fn wave_costs(&self) -> WaveCosts {
         WaveCosts::CPU
+    }
+
+    /// The threads it works with, where it has some.
+    fn pool(&self) -> Option<&Pool> {
+        None
     }
 
     /// Ordered pairs per bin of every realization.

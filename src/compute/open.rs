@@ -1,9 +1,10 @@
 //! From a word to something that computes.
 
-use super::cpu::{Cpu, check_threads};
+use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
 use super::{Compute, reference::Reference};
 use crate::error::{Error, Result};
+use crate::pool::check_threads;
 use crate::request::DeviceChoice;
 
 /// A device made ready.

@@ -25,57 +25,45 @@ use super::Compute;
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
-use crate::setting::Setting;
-
-/// More threads than this are a typing error.
-const MAX_THREADS: usize = 4096;
-
-/// Whether that many threads can be asked for.
-pub fn check_threads(threads: usize) -> Result<()> {
-    if (1..=MAX_THREADS).contains(&threads) {
-        return Ok(());
-    }
-    Err(Error::setting(Setting::Threads, threads, format!("expected 1 to {MAX_THREADS}")))
-}
+use crate::pool::Pool;
 
 /// The native implementation with its own pool of threads.
 #[derive(Debug)]
 pub struct Cpu {
-    pool: rayon::ThreadPool,
+    pool: Pool,
     level: SimdLevel,
     nuffts: nufft::Cache,
 }
 
 impl Cpu {
-    /// A pool of `threads` threads (as many as the machine offers if `None`), and the best SIMD the processor has.
+    /// `threads` threads (as many as the machine offers if `None`), and the best SIMD the processor has.
     pub fn new(threads: Option<usize>) -> Result<Self> {
-        Self::with_level(threads, SimdLevel::detect())
+        Ok(Self::with_pool(Pool::new(threads)?))
+    }
+
+    /// On threads that are there already.
+    pub fn with_pool(pool: Pool) -> Self {
+        Self { pool, level: SimdLevel::detect(), nuffts: nufft::Cache::default() }
     }
 
     /// The same with an instruction set chosen by hand, so that tests reach each of them. A level this processor lacks
     /// falls back to the best it has. Matrix products always use the best: `gemm` chooses for itself.
     #[doc(hidden)]
     pub fn with_level(threads: Option<usize>, level: SimdLevel) -> Result<Self> {
-        if let Some(threads) = threads {
-            check_threads(threads)?;
-        }
-        // 0 lets rayon ask the operating system.
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or(0))
-            .thread_name(|k| format!("pairwave-{k}"))
-            .build()
-            .map_err(|e| {
-                Error::setting(Setting::Threads, threads.unwrap_or(0), format!("cannot start threads: {e}"))
-            })?;
-        Ok(Self { pool, level: level.min(SimdLevel::detect()), nuffts: nufft::Cache::default() })
+        Ok(Self { level: level.min(SimdLevel::detect()), ..Self::new(threads)? })
+    }
+
+    /// The threads.
+    pub fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     /// Number of threads.
     pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.pool.threads()
     }
 
     /// The instruction set in use.
@@ -109,6 +97,10 @@ impl Compute for Cpu {
         let threads = self.threads();
         let s = if threads == 1 { "" } else { "s" };
         ComputedBy::new(Backend::Cpu, format!("cpu ({}, {threads} thread{s})", self.level.name()))
+    }
+
+    fn pool(&self) -> Option<&Pool> {
+        Some(&self.pool)
     }
 
     fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
