@@ -9,7 +9,7 @@ use common::*;
 use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
 use pairwave::analysis::{self, Analysis, Plan};
-use pairwave::compute::{Compute, cpu::Cpu, reference::Reference};
+use pairwave::compute::{Compute, NotHere, Pending, Work, cpu::Cpu, reference::Reference};
 use pairwave::control::Control;
 use pairwave::plan::{LagPlan, PairPlan, WavePlan};
 use pairwave::points::Ensemble;
@@ -49,34 +49,57 @@ impl Compute for Mortal {
         ComputedBy::new(Backend::Gpu, "mortal")
     }
 
-    fn supports_wave_power(&self, _: &WavePlan) -> Result<(), String> {
-        if self.can_waves { Ok(()) } else { Err("mortal knows no waves".into()) }
+    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
+        let because = |why: &str| Err(NotHere::Because(why.into()));
+        match work {
+            Work::Waves(_) if !self.can_waves => because("mortal knows no waves"),
+            Work::Lags(_) if !self.can_lags => because("mortal knows no lags"),
+            Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
+            _ => Err(NotHere::Never),
+        }
     }
 
-    fn supports_lag_counts(&self, _: &LagPlan) -> Result<(), String> {
-        if self.can_lags { Ok(()) } else { Err("mortal knows no lags".into()) }
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        Box::pin(async move {
+            self.call()?;
+            let mut sums = Reference.pair_counts(plan, ensemble, control).await?;
+            sums.bins.sums.iter_mut().for_each(|sum| *sum += self.off);
+            sums.computed_by = self.computed_by();
+            Ok(sums)
+        })
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        self.call()?;
-        let mut sums = Reference.pair_counts(plan, ensemble, control)?;
-        sums.bins.sums.iter_mut().for_each(|sum| *sum += self.off);
-        sums.computed_by = self.computed_by();
-        Ok(sums)
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        Box::pin(async move {
+            self.call()?;
+            let mut sums = Reference.lag_counts(plan, ensemble, control).await?;
+            sums.computed_by = self.computed_by();
+            Ok(sums)
+        })
     }
 
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        self.call()?;
-        let mut sums = Reference.lag_counts(plan, ensemble, control)?;
-        sums.computed_by = self.computed_by();
-        Ok(sums)
-    }
-
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        self.call()?;
-        let mut sums = Reference.wave_power(plan, ensemble, control)?;
-        sums.computed_by = self.computed_by();
-        Ok(sums)
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        Box::pin(async move {
+            self.call()?;
+            let mut sums = Reference.wave_power(plan, ensemble, control).await?;
+            sums.computed_by = self.computed_by();
+            Ok(sums)
+        })
     }
 }
 

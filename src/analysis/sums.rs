@@ -4,7 +4,6 @@ use super::Plan;
 use crate::accumulate::ComputedBy;
 use crate::accumulate::{CrossCounts, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::compute::WithFallback;
-use crate::compute::neighbors::neighbor_sums;
 use crate::control::Clock;
 use crate::control::Control;
 use crate::error::Result;
@@ -89,7 +88,7 @@ impl Sums {
         }
         if let Some(plan) = &plan.neighbors {
             stage("neighbors", &mut || {
-                sums.neighbors = Some(device.pool().install(|| neighbor_sums(plan, batch, control))?);
+                sums.neighbors = Some(device.neighbors(plan, batch, control)?);
                 Ok(())
             })?;
         }

@@ -46,7 +46,7 @@ impl Analyze {
         let control = stop_on_interrupt()?;
         let source = Source::open(&self.request.input)?;
         let plan = Plan::of(&self.request, &source)?;
-        let device = pairwave::compute::open(self.request.device, self.request.threads)?;
+        let device = pollster::block_on(pairwave::compute::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note.filter(|_| !self.quiet) {
             eprintln!("note: {note}");
         }

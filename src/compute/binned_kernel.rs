@@ -12,7 +12,7 @@ use crate::points::Ensemble;
 use crate::pool::Pool;
 
 /// The kernel sums of every realization, from the counts of a device; `pool` smooths them.
-pub fn kernel_sums(
+pub async fn kernel_sums(
     device: &dyn Compute,
     pool: &Pool,
     plan: &KernelPlan,
@@ -21,7 +21,7 @@ pub fn kernel_sums(
 ) -> Result<KernelSums> {
     let mut sums = KernelSums::new(device.computed_by(), plan.r.len());
     for k in 0..ensemble.realizations() {
-        let counts = device.pair_counts(&plan.pairs, &ensemble.slice(k..k + 1), control)?;
+        let counts = device.pair_counts(&plan.pairs, &ensemble.slice(k..k + 1), control).await?;
         sums.add(ensemble.first_index() + k as u64, &pool.install(|| curve(plan, &counts)));
     }
     sums.close_leaf();

@@ -1,10 +1,12 @@
 //! A device with the CPU path behind it.
 
-use super::{Compute, binned_kernel, cpu::Cpu};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use pollster::block_on;
+
+use super::{Compute, NotHere, Work, binned_kernel, cpu::Cpu};
+use crate::accumulate::{KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -37,29 +39,29 @@ impl<'a> WithFallback<'a> {
         ensemble: &Ensemble,
         control: &Control,
     ) -> Result<PairCounts> {
-        self.run(self.device.supports_pair_counts(plan), |c| c.pair_counts(plan, ensemble, control))
+        self.run(Work::Pairs(plan), |c| block_on(c.pair_counts(plan, ensemble, control)))
     }
 
-    /// Of several ensembles, all by the same hand: their weights may be subtracted from each other.
+    /// Of several ensembles, all by the same backend: their weights may be subtracted from each other.
     pub(crate) fn all_pair_counts(
         &mut self,
         plan: &PairPlan,
         ensembles: &[Ensemble],
         control: &Control,
     ) -> Result<Vec<PairCounts>> {
-        let supported = self.device.supports_pair_counts(plan);
-        self.run(supported, |c| ensembles.iter().map(|e| c.pair_counts(plan, e, control)).collect())
+        let all = |c: &dyn Compute| ensembles.iter().map(|e| block_on(c.pair_counts(plan, e, control))).collect();
+        self.run(Work::Pairs(plan), all)
     }
 
     pub(crate) fn lag_counts(&mut self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        self.run(self.device.supports_lag_counts(plan), |c| c.lag_counts(plan, ensemble, control))
+        self.run(Work::Lags(plan), |c| block_on(c.lag_counts(plan, ensemble, control)))
     }
 
     pub(crate) fn wave_power(&mut self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        self.run(self.device.supports_wave_power(plan), |c| c.wave_power(plan, ensemble, control))
+        self.run(Work::Waves(plan), |c| block_on(c.wave_power(plan, ensemble, control)))
     }
 
-    /// By the road of the plan. That the direct sum is not for a GPU is part of the plan: nothing to warn of.
+    /// By the method of the plan.
     pub(crate) fn kernel_sums(
         &mut self,
         plan: &KernelPlan,
@@ -69,28 +71,30 @@ impl<'a> WithFallback<'a> {
         match plan.road {
             KernelRoad::Binned => {
                 let pool = self.pool();
-                self.run(self.device.supports_pair_counts(&plan.pairs), |c| {
-                    binned_kernel::kernel_sums(c, &pool, plan, ensemble, control)
+                self.run(Work::Pairs(&plan.pairs), |c| {
+                    block_on(binned_kernel::kernel_sums(c, &pool, plan, ensemble, control))
                 })
             }
-            KernelRoad::Direct => match self.device.kernel_sums(plan, ensemble, control) {
-                Some(sums) => sums,
-                None => self.cpu().direct_kernel_sums(plan, ensemble, control),
-            },
+            KernelRoad::Direct => self.run(Work::Kernel(plan), |c| block_on(c.kernel_sums(plan, ensemble, control))),
         }
     }
 
-    /// On the CPU path where the device has none, which is part of the plan.
     pub(crate) fn wave_covariance(
         &mut self,
         plan: &CovariancePlan,
         ensemble: &Ensemble,
         control: &Control,
     ) -> Result<WaveCovariance> {
-        match self.device.wave_covariance(plan, ensemble, control) {
-            Some(sums) => sums,
-            None => self.cpu().amplitude_products(plan, ensemble, control),
-        }
+        self.run(Work::Covariance(plan), |c| block_on(c.wave_covariance(plan, ensemble, control)))
+    }
+
+    pub(crate) fn neighbors(
+        &mut self,
+        plan: &NeighborPlan,
+        ensemble: &Ensemble,
+        control: &Control,
+    ) -> Result<NeighborSums> {
+        self.run(Work::Neighbors(plan), |c| block_on(c.neighbors(plan, ensemble, control)))
     }
 
     /// What the user should know about who computed.
@@ -99,9 +103,9 @@ impl<'a> WithFallback<'a> {
     }
 
     /// A batch at which the device failed has left nothing behind, so it is simply done again.
-    fn run<T>(&mut self, supported: Result<(), String>, work: impl Fn(&dyn Compute) -> Result<T>) -> Result<T> {
+    fn run<T>(&mut self, what: Work<'_>, work: impl Fn(&dyn Compute) -> Result<T>) -> Result<T> {
         if !self.failed {
-            match supported {
+            match self.device.supports(what) {
                 Ok(()) => match work(self.device) {
                     Err(error @ Error::Device { .. }) => {
                         self.failed = true;
@@ -109,7 +113,8 @@ impl<'a> WithFallback<'a> {
                     }
                     done => return done,
                 },
-                Err(why) => self.warn(format!("{why}; done on the native CPU path")),
+                Err(NotHere::Because(why)) => self.warn(format!("{why}; done on the native CPU path")),
+                Err(NotHere::Never) => {}
             }
         }
         work(self.cpu())

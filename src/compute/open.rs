@@ -16,18 +16,18 @@ pub struct Opened {
 }
 
 /// Opens the device that is asked for. `threads` is for the CPU path.
-pub fn open(choice: DeviceChoice, threads: Option<usize>) -> Result<Opened> {
-    let gpu = |choice| -> Result<Opened> {
+pub async fn open(choice: DeviceChoice, threads: Option<usize>) -> Result<Opened> {
+    let gpu = async |choice| -> Result<Opened> {
         // The CPU path stands behind every GPU.
         threads.map_or(Ok(()), check_threads)?;
-        Ok(Opened { compute: Box::new(GpuCompute::open(choice)?), note: None })
+        Ok(Opened { compute: Box::new(GpuCompute::open(choice).await?), note: None })
     };
     match choice {
         DeviceChoice::Cpu => Ok(Opened { compute: Box::new(Cpu::new(threads)?), note: None }),
         DeviceChoice::Reference => Ok(Opened { compute: Box::new(Reference), note: None }),
-        DeviceChoice::Gpu => gpu(AdapterChoice::Any),
-        DeviceChoice::Index(index) => gpu(AdapterChoice::Index(index)),
-        DeviceChoice::Auto => match gpu(AdapterChoice::HardwareOnly) {
+        DeviceChoice::Gpu => gpu(AdapterChoice::Any).await,
+        DeviceChoice::Index(index) => gpu(AdapterChoice::Index(index)).await,
+        DeviceChoice::Auto => match gpu(AdapterChoice::HardwareOnly).await {
             Err(error @ (Error::NoDevice { .. } | Error::Device { .. })) => {
                 let compute = Box::new(Cpu::new(threads)?);
                 let note = format!("{}; using the native CPU path", reason(&error));

@@ -194,7 +194,7 @@ impl Engine {
         if let Some(known) = self.devices.iter().find(|d| d.of == of) {
             return Ok((known.compute.clone(), known.note.clone()));
         }
-        let opened = pairwave::compute::open(request.device, request.threads)?;
+        let opened = pollster::block_on(pairwave::compute::open(request.device, request.threads))?;
         let compute: Arc<dyn Compute> = opened.compute.into();
         self.devices.push(Device { of, compute: compute.clone(), note: opened.note.clone() });
         Ok((compute, opened.note))

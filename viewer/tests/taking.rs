@@ -118,7 +118,7 @@ fn disabled(window: &mut Window, panel: Panel) -> Vec<&'static str> {
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
     let source = Source::open(&request.input).unwrap();
-    let device = pairwave::compute::open(request.device, request.threads).unwrap().compute;
+    let device = pollster::block_on(pairwave::compute::open(request.device, request.threads)).unwrap().compute;
     let plan = Plan::of(request, &source).unwrap().for_device(device.as_ref());
     let found = analysis::run(request, &source, &plan, device.as_ref(), &Control::default(), &mut |_| ()).unwrap();
     let dir = tempfile::tempdir().unwrap();

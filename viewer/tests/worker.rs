@@ -49,7 +49,7 @@ fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
     let source = Source::open(&request.input).unwrap();
-    let device = pairwave::compute::open(request.device, request.threads).unwrap().compute;
+    let device = pollster::block_on(pairwave::compute::open(request.device, request.threads)).unwrap().compute;
     let plan = Plan::of(request, &source).unwrap().for_device(device.as_ref());
     files(&analysis::run(request, &source, &plan, device.as_ref(), &Control::default(), &mut |_| ()).unwrap())
 }

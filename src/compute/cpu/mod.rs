@@ -21,12 +21,13 @@ mod wave_terms;
 
 pub use simd::{SimdLevel, fma_gflop};
 
-use super::Compute;
+use super::neighbors::neighbor_sums;
+use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -70,26 +71,6 @@ impl Cpu {
     pub fn level(&self) -> SimdLevel {
         self.level
     }
-
-    /// Kernel sums, pair by pair.
-    pub(super) fn direct_kernel_sums(
-        &self,
-        plan: &KernelPlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Result<KernelSums> {
-        kernel_sums::kernel_sums(self, plan, ensemble, control)
-    }
-
-    /// Products of amplitudes.
-    pub(super) fn amplitude_products(
-        &self,
-        plan: &CovariancePlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Result<WaveCovariance> {
-        wave_covariance::wave_covariance(self, plan, ensemble, control)
-    }
 }
 
 impl Compute for Cpu {
@@ -103,31 +84,64 @@ impl Compute for Cpu {
         Some(&self.pool)
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        pair_counts::pair_counts(self, plan, ensemble, control)
+    fn supports(&self, _work: Work<'_>) -> Result<(), NotHere> {
+        Ok(())
     }
 
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        lag_counts::lag_counts(self, plan, ensemble, control)
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        at_once(|| pair_counts::pair_counts(self, plan, ensemble, control))
     }
 
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        match plan.tapered() {
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        at_once(|| lag_counts::lag_counts(self, plan, ensemble, control))
+    }
+
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        at_once(|| match plan.tapered() {
             Some(taper) => tapered_power::tapered_power(self, plan, taper, ensemble, control),
             None => wave_power::wave_power(self, plan, ensemble, control),
-        }
+        })
     }
 
-    fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
-        Some(self.direct_kernel_sums(plan, ensemble, control))
+    fn kernel_sums<'a>(
+        &'a self,
+        plan: &'a KernelPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, KernelSums> {
+        at_once(|| kernel_sums::kernel_sums(self, plan, ensemble, control))
     }
 
-    fn wave_covariance(
-        &self,
-        plan: &CovariancePlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Option<Result<WaveCovariance>> {
-        Some(self.amplitude_products(plan, ensemble, control))
+    fn wave_covariance<'a>(
+        &'a self,
+        plan: &'a CovariancePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WaveCovariance> {
+        at_once(|| wave_covariance::wave_covariance(self, plan, ensemble, control))
+    }
+
+    fn neighbors<'a>(
+        &'a self,
+        plan: &'a NeighborPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, NeighborSums> {
+        at_once(|| self.pool.install(|| neighbor_sums(plan, ensemble, control)))
     }
 }

@@ -4,6 +4,7 @@
 //! Three layers from a call to the device: `GpuCompute::pair_counts` cuts the work into dispatches, `Kernel` binds and
 //! dispatches one, wgpu does it. Kernels are made once and reused; buffers live as long as one call.
 
+mod answer;
 mod buffers;
 mod device;
 mod kernel;
@@ -24,7 +25,7 @@ pub use device::{AdapterChoice, AdapterSummary, Gpu, adapters};
 pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
 pub use probe::{Check, Verdict};
 
-use super::Compute;
+use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::control::Control;
@@ -79,10 +80,10 @@ const KERNELS_KEPT: usize = 32;
 impl GpuCompute {
     /// Opens an adapter and runs the self-check on it. An adapter that fails is passed over; `Err(NoDevice)` says what
     /// failed where none is left.
-    pub fn open(choice: AdapterChoice) -> Result<Self> {
+    pub async fn open(choice: AdapterChoice) -> Result<Self> {
         let mut failures = Vec::new();
-        for (summary, adapter) in device::candidates(choice)? {
-            match Self::checked(summary.clone(), &adapter) {
+        for (summary, adapter) in device::candidates(choice).await? {
+            match Self::checked(summary.clone(), &adapter).await {
                 Ok(compute) if compute.verdict.passed() => return Ok(compute),
                 Ok(compute) => {
                     failures.push(format!("{summary} failed its self-check: {}", compute.verdict.failures()))
@@ -93,11 +94,11 @@ impl GpuCompute {
         Err(device::refused(choice, &failures))
     }
 
-    fn checked(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
+    async fn checked(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
         let tuning = Tuning::new(summary.software);
-        let gpu = Gpu::open(summary, adapter)?;
+        let gpu = Gpu::open(summary, adapter).await?;
         let mut compute = Self { gpu, kernels: Mutex::default(), tuning, verdict: Verdict::default() };
-        compute.verdict = probe::check(&compute);
+        compute.verdict = probe::check(&compute).await;
         Ok(compute)
     }
 
@@ -119,13 +120,15 @@ impl GpuCompute {
     }
 
     /// The kernel, made if it was not yet.
-    fn kernel(&self, spec: KernelSpec) -> Result<Arc<Kernel>> {
+    async fn kernel(&self, spec: KernelSpec) -> Result<Arc<Kernel>> {
         // A kernel is added whole or not at all, so the list is good even if another thread panicked.
-        let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = kernels.iter().find(|k| *k.spec() == spec) {
-            return Ok(Arc::clone(kernel));
+        let kernels = || self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kernels().iter().find(|k| *k.spec() == spec).map(Arc::clone);
+        if let Some(kernel) = known {
+            return Ok(kernel);
         }
-        let kernel = Arc::new(Kernel::new(&self.gpu, spec)?);
+        let kernel = Arc::new(Kernel::new(&self.gpu, spec).await?);
+        let mut kernels = kernels();
         if kernels.len() >= KERNELS_KEPT {
             kernels.remove(0);
         }
@@ -171,11 +174,15 @@ impl Compute for GpuCompute {
         ComputedBy::new(Backend::Gpu, self.gpu.summary().to_string())
     }
 
-    fn supports_wave_power(&self, plan: &WavePlan) -> Result<(), String> {
-        if plan.tapered().is_some() {
-            return Err("no GPU kernel for tapered spectra".into());
-        }
-        wave_power::supports(plan, self.verdict.f64(), self.gpu.limits.max_storage_buffer_binding_size)
+    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
+        let binding_bytes = self.gpu.limits.max_storage_buffer_binding_size;
+        let done = match work {
+            Work::Pairs(plan) => pair_specs::supports(plan, binding_bytes),
+            Work::Lags(plan) => lag_counts::supports(plan, binding_bytes),
+            Work::Waves(plan) => wave_power::supports(plan, self.verdict.f64(), binding_bytes),
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => return Err(NotHere::Never),
+        };
+        done.map_err(NotHere::Because)
     }
 
     fn search_costs(&self) -> SearchCosts {
@@ -186,24 +193,33 @@ impl Compute for GpuCompute {
         WaveCosts::GPU
     }
 
-    fn supports_pair_counts(&self, plan: &PairPlan) -> Result<(), String> {
-        pair_specs::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        Box::pin(pair_counts::pair_counts(self, plan, ensemble, control))
     }
 
-    fn supports_lag_counts(&self, plan: &LagPlan) -> Result<(), String> {
-        lag_counts::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        Box::pin(lag_counts::lag_counts(self, plan, ensemble, control))
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        pair_counts::pair_counts(self, plan, ensemble, control)
-    }
-
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        lag_counts::lag_counts(self, plan, ensemble, control)
-    }
-
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        self.supports_wave_power(plan).map_err(|reason| self.gpu.error("wave_power", reason))?;
-        wave_power::wave_power(self, plan, ensemble, control)
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        match self.supports(Work::Waves(plan)) {
+            Err(NotHere::Because(reason)) => at_once(move || Err(self.gpu.error("wave_power", reason))),
+            _ => Box::pin(wave_power::wave_power(self, plan, ensemble, control)),
+        }
     }
 }

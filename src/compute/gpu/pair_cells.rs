@@ -25,19 +25,20 @@ const JOB_PAIRS: u64 = 1 << 14;
 const JOBS_WANTED: u64 = 8192;
 
 /// Counts all realizations.
-pub(super) fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
+pub(super) async fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
     let compute = run.compute;
     let gpu = compute.gpu();
     let caps = run.caps();
     let near = Neighbourhood::new(run.plan);
-    let kernel = compute.kernel(pair_specs::cell_pairs(run.plan, gpu.limits.max_compute_workgroup_storage_size))?;
-    let sort = Sort::new(run, grid)?;
+    let kernel =
+        compute.kernel(pair_specs::cell_pairs(run.plan, gpu.limits.max_compute_workgroup_storage_size)).await?;
+    let sort = Sort::new(run, grid).await?;
     let cells = grid.len();
-    gpu.guarded(NAME, || {
+    gpu.guarded(NAME, async || {
         let tables = Tables::upload(compute, run.plan);
         for group in groups(&run.sizes, &caps, cells) {
             run.control.check()?;
-            let (points, starts) = sort.sorted(run, &group)?;
+            let (points, starts) = sort.sorted(run, &group).await?;
             let sets = starts.windows(cells + 1).step_by(cells);
             let tasks: Vec<Vec<CellPairTask>> = sets.map(|starts| tasks(&near, starts)).collect();
             for (tasks, jobs) in
@@ -47,11 +48,12 @@ pub(super) fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
                 let groups = jobs.len() as u32;
                 let jobs = gpu.upload("jobs", &jobs, compute.tuning.fill);
                 let tasks = gpu.upload("tasks", &tasks, compute.tuning.fill);
-                run.submit(&kernel, &tables, group.clone(), &points, &[&jobs, &tasks], groups)?;
+                run.submit(&kernel, &tables, group.clone(), &points, &[&jobs, &tasks], groups).await?;
             }
         }
-        run.finish()
+        run.finish().await
     })
+    .await
 }
 
 /// Realizations that go together: as many as the buffers hold, at least one.
@@ -81,7 +83,7 @@ struct Sort {
 }
 
 impl Sort {
-    fn new(run: &Run<'_>, grid: CellGrid) -> Result<Self> {
+    async fn new(run: &Run<'_>, grid: CellGrid) -> Result<Self> {
         let [count, scatter] = pair_specs::sort(run.plan);
         let mut params = CellParams::default();
         let mut stride = 1;
@@ -95,12 +97,12 @@ impl Sort {
             params.stride[axis] = stride;
             stride *= grid.cells[axis];
         }
-        let (count, scatter) = (run.compute.kernel(count)?, run.compute.kernel(scatter)?);
+        let (count, scatter) = (run.compute.kernel(count).await?, run.compute.kernel(scatter).await?);
         Ok(Self { count, scatter, params, cells: grid.len() })
     }
 
     /// The points of a group in the order of realizations and cells, and where each cell begins; one entry more at the end.
-    fn sorted(&self, run: &Run<'_>, group: &Range<usize>) -> Result<(Points, Vec<u32>)> {
+    async fn sorted(&self, run: &Run<'_>, group: &Range<usize>) -> Result<(Points, Vec<u32>)> {
         let (gpu, fill) = (run.compute.gpu(), run.compute.tuning.fill);
         let total: usize = run.sizes[group.clone()].iter().sum();
         let piece = SORT_POINTS.max(total / (MAX_GROUPS as usize / 2));
@@ -126,7 +128,7 @@ impl Sort {
             let buffers = [&params, &buffer, &points.exact, &places, &counts];
             self.count.dispatch(gpu, &mut encoder, &buffers, jobs.len() as u32);
         }
-        let counts: Vec<u32> = gpu.read_back(NAME, encoder, &counts, cells)?;
+        let counts: Vec<u32> = gpu.read_back(NAME, encoder, &counts, cells).await?;
         let mut starts = Vec::with_capacity(cells + 1);
         starts.push(0);
         starts.extend(counts.iter().scan(0, |sum, count| {

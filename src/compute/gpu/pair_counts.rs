@@ -28,7 +28,7 @@ fn search(compute: &GpuCompute, plan: &PairPlan) -> PairSearch {
     if bindings > compute.gpu().limits.max_storage_buffers_per_shader_stage { PairSearch::All } else { search }
 }
 
-pub(super) fn pair_counts(
+pub(super) async fn pair_counts(
     compute: &GpuCompute,
     plan: &PairPlan,
     ensemble: &Ensemble,
@@ -52,8 +52,8 @@ pub(super) fn pair_counts(
         plan: &PairPlan { search: search(compute, plan), ..plan.clone() },
     };
     match run.plan.search {
-        PairSearch::All => run.all_pairs()?,
-        PairSearch::Cells(grid) => pair_cells::run(&mut run, grid)?,
+        PairSearch::All => run.all_pairs().await?,
+        PairSearch::Cells(grid) => pair_cells::run(&mut run, grid).await?,
     }
     Ok(run.sums.finish(compute.computed_by(), plan, ensemble))
 }
@@ -96,14 +96,14 @@ impl Run<'_> {
         self.sums.layout.words as usize
     }
 
-    fn all_pairs(&mut self) -> Result<()> {
+    async fn all_pairs(&mut self) -> Result<()> {
         let gpu = self.compute.gpu();
         let limit = gpu.limits.max_compute_workgroup_storage_size;
-        let kernel = self.compute.kernel(pair_specs::all_pairs(self.plan, limit))?;
+        let kernel = self.compute.kernel(pair_specs::all_pairs(self.plan, limit)).await?;
         let tile = kernel.spec().overrides.iter().find(|o| o.0 == "TILE").map_or(1, |o| o.1);
         let caps = self.caps();
         let mut held: Option<(Range<usize>, Points)> = None;
-        gpu.guarded(NAME, || {
+        gpu.guarded(NAME, async || {
             let tables = Tables::upload(self.compute, self.plan);
             for dispatch in dispatches(&self.sizes, tile, caps.pairs, caps.points, caps.histograms) {
                 self.control.check()?;
@@ -115,14 +115,15 @@ impl Run<'_> {
                 }
                 let Some((_, points)) = &held else { continue };
                 let jobs = gpu.upload("jobs", &dispatch.jobs, self.compute.tuning.fill);
-                self.submit(&kernel, &tables, range, points, [&jobs].as_slice(), dispatch.jobs.len() as u32)?;
+                self.submit(&kernel, &tables, range, points, [&jobs].as_slice(), dispatch.jobs.len() as u32).await?;
             }
-            self.finish()
+            self.finish().await
         })
+        .await
     }
 
     /// Submits jobs on `points`, which are those of `range`. `jobs` and what else the kernel reads.
-    pub(super) fn submit(
+    pub(super) async fn submit(
         &mut self,
         kernel: &Kernel,
         tables: &Tables,
@@ -145,15 +146,15 @@ impl Run<'_> {
         let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
         // One submission ahead: the device has work while the host adds up.
         if let Some((range, read)) = self.under_way.replace((range, read)) {
-            self.sums.add(range, &gpu.finish(read)?);
+            self.sums.add(range, &gpu.finish(read).await?);
         }
         Ok(())
     }
 
     /// Waits for the last submission.
-    pub(super) fn finish(&mut self) -> Result<()> {
+    pub(super) async fn finish(&mut self) -> Result<()> {
         if let Some((range, read)) = self.under_way.take() {
-            self.sums.add(range, &self.compute.gpu().finish(read)?);
+            self.sums.add(range, &self.compute.gpu().finish(read).await?);
         }
         Ok(())
     }

@@ -151,6 +151,9 @@ fn chunk(n: usize) -> usize {
 
 /// Why a plan cannot run here. `f64` says why f64 cannot be relied on, if so.
 pub(super) fn supports(plan: &WavePlan, f64: Result<(), String>, binding_bytes: u64) -> Result<(), String> {
+    if plan.tapered().is_some() {
+        return Err("no GPU kernel for tapered spectra".into());
+    }
     if plan.accuracy == Accuracy::High {
         f64.map_err(|why| format!("accuracy high needs f64: {why}"))?;
     }
@@ -175,7 +178,7 @@ fn cut(count: [u32; 2], fitting: u64) -> [u32; 2] {
     if count[1] <= fitting { [(fitting / count[1]).min(count[0]), count[1]] } else { [1, fitting] }
 }
 
-pub(super) fn wave_power(
+pub(super) async fn wave_power(
     compute: &GpuCompute,
     plan: &WavePlan,
     ensemble: &Ensemble,
@@ -196,8 +199,8 @@ pub(super) fn wave_power(
         grid,
         accuracy: plan.accuracy,
         blocks,
-        product: compute.kernel(spec(grid, plan.accuracy, weighted))?,
-        fold: compute.kernel(fold_spec(grid, plan.accuracy))?,
+        product: compute.kernel(spec(grid, plan.accuracy, weighted)).await?,
+        fold: compute.kernel(fold_spec(grid, plan.accuracy)).await?,
     };
     let buffer_bytes = tuning.buffer_bytes.min(binding_bytes);
     let points_cap = buffer_bytes as usize / (8 * grid.dim());
@@ -220,17 +223,18 @@ pub(super) fn wave_power(
         let batch = first..end;
         let part = cut(blocks.count, sums_cap / chunks);
         let mut power = vec![vec![0f64; grid.half_len()]; batch.len()];
-        gpu.guarded(NAME, || {
+        gpu.guarded(NAME, async || {
             let points = job.upload(ensemble, &batch, part);
             for row in (0..blocks.count[0]).step_by(part[0] as usize) {
                 for column in (0..blocks.count[1]).step_by(part[1] as usize) {
                     control.check()?;
                     let end = [(row + part[0]).min(blocks.count[0]), (column + part[1]).min(blocks.count[1])];
-                    job.run(&points, [row..end[0], column..end[1]], &mut power, control)?;
+                    job.run(&points, [row..end[0], column..end[1]], &mut power, control).await?;
                 }
             }
             Ok(())
-        })?;
+        })
+        .await?;
         for (k, power) in batch.zip(&mut power) {
             // s_0 is the sum of weights. It needs no phases, and is the one value an f32 may be too short for.
             power[grid.dc()] = match ensemble.weights(k) {
@@ -333,7 +337,13 @@ impl Job<'_> {
     }
 
     /// The blocks of a part of the grid, into `power` (per realization, one value per stored mode).
-    fn run(&self, points: &Points, part: [Range<u32>; 2], power: &mut [Vec<f64>], control: &Control) -> Result<()> {
+    async fn run(
+        &self,
+        points: &Points,
+        part: [Range<u32>; 2],
+        power: &mut [Vec<f64>],
+        control: &Control,
+    ) -> Result<()> {
         let (gpu, tuning) = (self.compute.gpu(), &self.compute.tuning);
         let span = self.blocks.span();
         let mut params = WaveParams {
@@ -362,8 +372,8 @@ impl Job<'_> {
             self.product.dispatch(gpu, &mut encoder, &buffers, count);
             params.first_job += count;
             // One submission ahead: the device has work while the host waits, and a cancelled call ends soon.
-            if let Some(last) = last.replace(gpu.queue.submit([encoder.finish()])) {
-                gpu.wait(NAME, last)?;
+            if let Some(last) = last.replace(gpu.submit(encoder)) {
+                gpu.wait(NAME, last).await?;
             }
         }
 
@@ -380,10 +390,10 @@ impl Job<'_> {
         }
         let folded: Vec<[f64; 8]> = match self.accuracy {
             Accuracy::Fast => {
-                let folded = gpu.read_back::<[f32; 8]>(FOLD_NAME, encoder, &points.power, total)?;
+                let folded = gpu.read_back::<[f32; 8]>(FOLD_NAME, encoder, &points.power, total).await?;
                 folded.into_iter().map(|item| item.map(f64::from)).collect()
             }
-            Accuracy::High => gpu.read_back(FOLD_NAME, encoder, &points.power, total)?,
+            Accuracy::High => gpu.read_back(FOLD_NAME, encoder, &points.power, total).await?,
         };
         for (power, folded) in power.iter_mut().zip(folded.chunks_exact(total / points.realizations)) {
             let places = part[0].clone().flat_map(|row| part[1].clone().map(move |column| [row, column]));

@@ -27,7 +27,9 @@
 //! an edge is no further than half a side from either point along any axis, so those of the eight boxes around are all that
 //! matter. In a window, points whose cells reach to infinity are left out.
 
-use crate::accumulate::{Bonds, COUNT_STEPS, Distances, DistributionCounts, NeighborSums, NoBonds, RealizationNeighbors};
+use crate::accumulate::{
+    Bonds, COUNT_STEPS, Distances, DistributionCounts, NeighborSums, NoBonds, RealizationNeighbors,
+};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::NeighborPlan;
@@ -249,9 +251,7 @@ mod tests {
             let distances = match (a.distances, b.distances) {
                 (Some(a), Some(b)) => {
                     let relative = |a: f64, b: f64| (a - b).abs() <= 1e-14 * a;
-                    relative(a.minimum, b.minimum)
-                        && relative(a.mean, b.mean)
-                        && a.closest_packing == b.closest_packing
+                    relative(a.minimum, b.minimum) && relative(a.mean, b.mean) && a.closest_packing == b.closest_packing
                 }
                 (a, b) => a == b,
             };

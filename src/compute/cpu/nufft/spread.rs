@@ -8,7 +8,6 @@
 
 use std::ops::Range;
 
-
 use super::kernel::Kernel;
 use super::threads::share;
 use crate::compute::cpu::simd::{self, SimdLevel};

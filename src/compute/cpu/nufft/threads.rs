@@ -2,7 +2,6 @@
 
 use std::sync::{Mutex, PoisonError};
 
-
 use crate::error::Result;
 use crate::pool::Pool;
 

@@ -13,8 +13,8 @@ use super::spread::FineGrid;
 use super::threads::share;
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::setting::Setting;
 use crate::pool::Pool;
+use crate::setting::Setting;
 
 /// Slabs transposed at a time: two cache lines of one frequency.
 const BLOCK: usize = 8;
