@@ -167,20 +167,20 @@ fn cell_cases() -> Vec<PairCase> {
 
 #[test]
 fn cells_find_the_same_pairs() {
-    let Some(mut gpu) = open("cells") else { return };
+    let Some(gpu) = shared("cells") else { return };
     let mut grids = 0;
     for case in cell_cases() {
         let PairCase { name, ensemble, plan } = &case;
         let truth = reference_counts(plan, ensemble);
         let beyond = plan.thresholds[plan.bins.len()];
-        gpu = gpu.with_tuning(|t| t.search = Some(PairSearch::All));
-        let all = wait(gpu.pair_counts(plan, ensemble, &go())).unwrap();
+        let all = PairPlan { search: PairSearch::All, ..plan.clone() };
+        let all = wait(gpu.pair_counts(&all, ensemble, &go())).unwrap();
         let searches = [(1, 1e5), (2, 1e5), (3, 50.0)]
             .into_iter()
             .filter_map(|(reach, most)| CellGrid::new(ensemble.domain(), beyond, reach, most).map(PairSearch::Cells));
         for search in searches {
-            gpu = gpu.with_tuning(|t| t.search = Some(search));
-            let here = wait(gpu.pair_counts(plan, ensemble, &go())).unwrap();
+            let cells = PairPlan { search, ..plan.clone() };
+            let here = wait(gpu.pair_counts(&cells, ensemble, &go())).unwrap();
             let name = format!("{name}, {search}");
             if plan.weighted() {
                 assert_weights_within(&name, &here, &truth);
@@ -202,8 +202,8 @@ fn cells_give_the_same_bytes_however_the_work_is_cut() {
     let plan = pair_plan(&ensemble, RadialBins::linear(0.2, 30).unwrap(), Correction::Isotropic);
     let beyond = plan.thresholds[plan.bins.len()];
     let grid = CellGrid::new(&window, beyond, 1, 1e4).unwrap();
-    let Some(gpu) = open("cut cells") else { return };
-    let mut gpu = gpu.with_tuning(|t| t.search = Some(PairSearch::Cells(grid)));
+    let plan = PairPlan { search: PairSearch::Cells(grid), ..plan };
+    let Some(mut gpu) = open("cut cells") else { return };
     let once = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
     for (pairs, bytes) in [(1 << 31, 64 << 20), (1, 64 << 20), (1 << 12, 2000), (1 << 31, 1)] {
         gpu = gpu.with_tuning(|t| {
@@ -220,6 +220,8 @@ fn large_sets_count_as_on_the_cpu() {
     let cpu = Cpu::new(None).unwrap();
     let ensemble = ensemble(&[uniform(2, 60_000, 1), clustered(2, 30_000, 2)]);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.01, 256).unwrap(), Correction::None);
+    let plan = plan.for_device(gpu.pair_device());
+    assert!(matches!(plan.search, PairSearch::Cells(_)));
     let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
     assert_counts_equal("large sets", &here, &wait(cpu.pair_counts(&plan, &ensemble, &go())).unwrap());
 }

@@ -187,8 +187,8 @@ impl Plan {
 
     /// The same plan with the searches that suit a device.
     pub fn for_device(self, compute: &dyn Compute) -> Self {
-        let costs = compute.search_costs();
-        let suited = |plan: PairPlan| plan.with_costs(costs);
+        let device = compute.pair_device();
+        let suited = |plan: PairPlan| plan.for_device(device);
         Self {
             pairs: self.pairs.map(suited),
             classes: self.classes.map(|c| Classes { pairs: suited(c.pairs), ..c }),

@@ -22,7 +22,7 @@ use std::pin::Pin;
 use crate::accumulate::{ComputedBy, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts, WavePlan};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -83,9 +83,9 @@ pub trait Compute: Send + Sync {
         }
     }
 
-    /// What searching for pairs costs here: plans that know it choose by it.
-    fn search_costs(&self) -> SearchCosts {
-        SearchCosts::CPU
+    /// What plans of pairs must know of it: they choose by that.
+    fn pair_device(&self) -> PairDevice {
+        PairDevice::CPU
     }
 
     /// What the ways to a spectrum cost here.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::Cpu;
 use super::lag_bins::Rows;
 use super::lag_bins::{self, Places};
-use super::pair_bins::{COLUMNS, LANES};
+use super::pair_rows::{COLUMNS, LANES};
 use super::simd::SimdLevel;
 use crate::accumulate::{LagCounts, PairHistogram};
 use crate::compute::Compute;

@@ -5,13 +5,15 @@
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
+mod linear_rows;
 #[doc(hidden)]
 pub mod nufft;
-mod pair_bins;
 mod pair_counts;
+mod pair_rows;
 mod pair_weights;
 mod phase_tables;
 mod product;
+mod r2_rows;
 mod simd;
 mod tapered_power;
 mod wave_covariance;

@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use super::kernel::{self, KernelSpec};
-use super::pair_counts::Points;
 use super::pair_jobs::dispatches;
+use super::pair_run::Points;
 use super::pair_specs::fits;
 use super::params::{LAG_COUNTS, LagParams};
 use super::{GpuCompute, Tuning};

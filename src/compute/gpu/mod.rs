@@ -12,11 +12,13 @@ mod lag_counts;
 mod pair_cells;
 mod pair_counts;
 mod pair_jobs;
+mod pair_run;
 mod pair_specs;
 mod pair_sums;
 pub mod params;
 mod probe;
 mod wave_power;
+mod wave_specs;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -30,7 +32,7 @@ use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{Accuracy, LagPlan, PairPlan, PairSearch, SearchCosts, WaveCosts, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, LagPlan, PairDevice, PairPlan, SearchCosts, WaveCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -48,8 +50,6 @@ pub struct Tuning {
     pub buffer_bytes: u64,
     /// What scratch memory holds at first.
     pub fill: Fill,
-    /// Which pairs are looked at; `None` for what is faster by estimate.
-    pub search: Option<PairSearch>,
 }
 
 impl Tuning {
@@ -60,7 +60,6 @@ impl Tuning {
             fma_per_dispatch: if software { 1 << 29 } else { 1 << 36 },
             buffer_bytes: if software { 64 << 20 } else { 256 << 20 },
             fill: Fill::Zero,
-            search: None,
         }
     }
 }
@@ -161,7 +160,8 @@ pub fn lag_kernel(plan: &LagPlan, workgroup_bytes: u32) -> KernelSpec {
 
 /// The kernels that compute the power on a grid, of points with or without weights.
 pub fn wave_kernels(grid: &WaveGrid, accuracy: Accuracy, weighted: bool) -> [KernelSpec; 2] {
-    [wave_power::spec(grid, accuracy, weighted), wave_power::fold_spec(grid, accuracy)]
+    let blocks = wave_specs::Blocks::new(grid);
+    [wave_specs::product(&blocks, grid, accuracy, weighted), wave_specs::fold(&blocks, accuracy)]
 }
 
 /// The kernel of the self-check.
@@ -177,16 +177,16 @@ impl Compute for GpuCompute {
     fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
         let binding_bytes = self.gpu.limits.max_storage_buffer_binding_size;
         let done = match work {
-            Work::Pairs(plan) => pair_specs::supports(plan, binding_bytes),
+            Work::Pairs(plan) => pair_specs::supports(plan, &self.gpu.limits),
             Work::Lags(plan) => lag_counts::supports(plan, binding_bytes),
-            Work::Waves(plan) => wave_power::supports(plan, self.verdict.f64(), binding_bytes),
+            Work::Waves(plan) => wave_specs::supports(plan, self.verdict.f64(), binding_bytes),
             Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => return Err(NotHere::Never),
         };
         done.map_err(NotHere::Because)
     }
 
-    fn search_costs(&self) -> SearchCosts {
-        SearchCosts::GPU
+    fn pair_device(&self) -> PairDevice {
+        PairDevice { costs: SearchCosts::GPU, buffers: Some(self.gpu.limits.max_storage_buffers_per_shader_stage) }
     }
 
     fn wave_costs(&self) -> WaveCosts {

@@ -5,12 +5,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::kernel::Kernel;
-use super::pair_counts::{Caps, Points, Run, Tables};
+use super::pair_run::{Caps, Points, Run, Tables};
 use super::params::{CellJob, CellPairJob, CellPairTask, CellParams};
 use super::{MAX_GROUPS, pair_specs};
 use crate::compute::cells::Neighbourhood;
 use crate::error::Result;
-use crate::plan::CellGrid;
+use crate::plan::{CellGrid, Tile};
 
 const NAME: &str = "pair_counts_cells";
 /// Points per workgroup of the sort, at least.
@@ -165,19 +165,19 @@ impl Sort {
 
 /// The tasks of a realization whose cells begin at `starts`: every pair of points that partners make, once.
 fn tasks(near: &Neighbourhood, starts: &[u32]) -> Vec<CellPairTask> {
-    let most = (pair_specs::POINTS_PER_LANE * pair_specs::CELL_LANES) as usize;
+    let most = (Tile::POINTS_PER_LANE * pair_specs::CELL_LANES) as usize;
     let (mut tasks, mut ranges) = (Vec::new(), Vec::new());
     for (cell, bounds) in starts.windows(2).enumerate() {
         let (start, end) = (bounds[0] as usize, bounds[1] as usize);
         for first in (start..end).step_by(most) {
             let rows = first..end.min(first + most);
-            let lane_bits = rows.len().div_ceil(pair_specs::POINTS_PER_LANE as usize).next_power_of_two().ilog2();
+            let lane_bits = rows.len().div_ceil(Tile::POINTS_PER_LANE as usize).next_power_of_two().ilog2();
             near.partners(starts, cell, &rows, &mut ranges);
             if let Some(own) = ranges.first_mut() {
                 // The first row is nobody's partner.
                 own.start += 1;
             }
-            let columns = (TASK_PAIRS / u64::from(pair_specs::POINTS_PER_LANE << lane_bits)) as usize;
+            let columns = (TASK_PAIRS / u64::from(Tile::POINTS_PER_LANE << lane_bits)) as usize;
             for range in &ranges {
                 tasks.extend(range.clone().step_by(columns).map(|column| CellPairTask {
                     first_row: rows.start as u32,
@@ -194,7 +194,7 @@ fn tasks(near: &Neighbourhood, starts: &[u32]) -> Vec<CellPairTask> {
 
 /// Pairs that a task keeps the device busy with, those of lanes without a row included.
 fn pairs_of(task: &CellPairTask) -> u64 {
-    u64::from(pair_specs::POINTS_PER_LANE << task.lane_bits) * u64::from(task.end - task.first)
+    u64::from(Tile::POINTS_PER_LANE << task.lane_bits) * u64::from(task.end - task.first)
 }
 
 /// Cuts the tasks of realizations into jobs, and those into dispatches of at most `pairs` pairs (or one task, where that is
