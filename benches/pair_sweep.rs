@@ -8,7 +8,7 @@ use pairwave::compute::cpu::Cpu;
 use pairwave::control::Control;
 use pairwave::plan::{Correction, PairPlan, RadialBins, SearchCosts};
 
-use common::{Clock, uniform};
+use common::{Clock, uniform, wait};
 
 fn main() {
     let Ok(cpu) = Cpu::new(Some(1)) else { return };
@@ -47,7 +47,7 @@ fn main() {
                         let plan = PairPlan { search: estimate.search, ..plan.clone() };
                         let clock = Clock::start(true);
                         for _ in 0..runs {
-                            assert!(cpu.pair_counts(&plan, &ensemble, &Control::default()).is_ok());
+                            assert!(wait(cpu.pair_counts(&plan, &ensemble, &Control::default())).is_ok());
                         }
                         *time = time.min(clock.seconds() / f64::from(runs));
                     }

@@ -6,13 +6,13 @@
 mod common;
 mod naive_spectrum;
 
-use pairwave::compute::Compute;
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
 use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
+use pairwave::compute::{Compute, Work};
 use pairwave::control::Control;
 use pairwave::plan::{Accuracy, Correction, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan, WaveRoad};
 
-use common::{Clock, uniform};
+use common::{Clock, uniform, wait};
 
 const REPETITIONS: usize = 5;
 
@@ -28,7 +28,7 @@ fn main() {
     for cpu in cpus.iter().rev() {
         table(cpu, true);
     }
-    match GpuCompute::open(AdapterChoice::Any) {
+    match wait(GpuCompute::open(AdapterChoice::Any)) {
         Ok(gpu) => {
             let summary = gpu.gpu().summary().clone();
             table(&gpu, summary.software);
@@ -57,7 +57,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
             }
             let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape) else { continue };
             let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
-                let counts = device.pair_counts(&plan, &ensemble, &Control::default());
+                let counts = wait(device.pair_counts(&plan, &ensemble, &Control::default()));
                 assert!(counts.is_ok());
             });
             print(&name(what), rate, "Gpair/s", limit);
@@ -75,7 +75,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
             continue;
         }
         let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
-            assert!(device.lag_counts(&plan, &ensemble, &Control::default()).is_ok());
+            assert!(wait(device.lag_counts(&plan, &ensemble, &Control::default())).is_ok());
         });
         print(&name, rate, "Gpair/s", limit);
     }
@@ -90,7 +90,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
         let Ok(bins) = RadialBins::linear(r, bins) else { continue };
         let Ok(plan) = PairPlan::new(ensemble.domain(), bins, Correction::None, shape) else { continue };
         let rate = best(level, &mut limit, by_processor, plan.pairs() * 1e-9, || {
-            assert!(device.pair_counts(&plan, &ensemble, &Control::default()).is_ok());
+            assert!(wait(device.pair_counts(&plan, &ensemble, &Control::default())).is_ok());
         });
         print(&name, rate, "Gpair/s", limit);
     }
@@ -120,11 +120,11 @@ fn table(device: &dyn Compute, by_processor: bool) {
         // What a transform takes is no matter of multiply-adds.
         let plan = WavePlan { road: Some(road), ..plan };
         let gflop = gflop(n * k, m);
-        if device.supports_wave_power(&plan).is_err() {
+        if device.supports(Work::Waves(&plan)).is_err() {
             continue;
         }
         let rate = best(level, &mut limit, by_processor, gflop, || {
-            assert!(device.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+            assert!(wait(device.wave_power(&plan, &ensemble, &Control::default())).is_ok());
         });
         print(&name, rate, "GFLOP/s", limit);
     }
@@ -149,14 +149,16 @@ fn naive(gpu: &GpuCompute, adapter: usize, by_processor: bool) {
     let Ok(plan) = WavePlan::new(ensemble.domain(), grid, Accuracy::Fast, shape) else { return };
     let Ok(naive) = naive_spectrum::Naive::new(adapter, &points, m as u32) else { return };
     // Both compute the same thing.
-    let (Ok(theirs), Ok(ours)) = (naive.run(), gpu.wave_power(&plan, &ensemble, &Control::default())) else { return };
+    let (Ok(theirs), Ok(ours)) = (naive.run(), wait(gpu.wave_power(&plan, &ensemble, &Control::default()))) else {
+        return;
+    };
     for (a, b) in theirs.iter().zip(ours.mode_totals().q) {
         assert!((f64::from(*a) - b).abs() <= 1e-2 * (n as f64 + b), "{a} against {b}");
     }
     let (level, mut limit) = (SimdLevel::detect(), 0.0);
     let slow = best(level, &mut limit, by_processor, gflop(n, m), || assert!(naive.run().is_ok()));
     let fast = best(level, &mut limit, by_processor, gflop(n, m), || {
-        assert!(gpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+        assert!(wait(gpu.wave_power(&plan, &ensemble, &Control::default())).is_ok());
     });
     print(&name, slow, "GFLOP/s", limit);
     println!("the product is {:.1} times as fast as a sine and a cosine per term", fast / slow);

@@ -9,7 +9,7 @@ use pairwave::compute::cpu::Cpu;
 use pairwave::control::Control;
 use pairwave::plan::{Accuracy, WaveGrid, WavePlan};
 
-use common::{Clock, uniform};
+use common::{Clock, uniform, wait};
 
 fn main() {
     let Ok(cpu) = Cpu::new(Some(1)) else { return };
@@ -53,7 +53,7 @@ fn main() {
                         let plan = WavePlan { road: Some(estimate.road), ..plan.clone() };
                         let clock = Clock::start(true);
                         for _ in 0..runs {
-                            assert!(cpu.wave_power(&plan, &ensemble, &Control::default()).is_ok());
+                            assert!(wait(cpu.wave_power(&plan, &ensemble, &Control::default())).is_ok());
                         }
                         *time = time.min(clock.seconds() / f64::from(runs) / k as f64);
                     }

@@ -28,7 +28,9 @@
 //! let shape = EnsembleShape { realizations: 10, mean_points: 1024.0, max_points: 1024 };
 //! let bins = RadialBins::linear(0.1, 20)?;
 //! let plan = PairPlan::new(&Domain::unit_torus(2), bins, Correction::None, shape)?;
-//! let counts = Cpu::new(None)?.pair_counts(&plan, &points, &control)?;
+//! let cpu = Cpu::new(None)?;
+//! // A device may have to be waited for.
+//! let counts = pollster::block_on(cpu.pair_counts(&plan, &points, &control))?;
 //! let g = PairCorrelation::new(&plan, &counts, Normalization::Pairs);
 //! assert!(g.g[0] < 0.2, "jittered points avoid each other: g({}) = {} +- {}", g.r[0], g.g[0], g.g_se[0]);
 //! # Ok(())
@@ -48,6 +50,7 @@ pub mod estimate;
 mod named;
 pub mod plan;
 pub mod points;
+mod pool;
 pub mod report;
 pub mod request;
 pub mod samplers;
@@ -57,4 +60,5 @@ pub mod source;
 mod statistics;
 
 pub use error::{Error, Result};
+pub use pool::{Pool, check_threads};
 pub use setting::Setting;

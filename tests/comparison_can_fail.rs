@@ -127,14 +127,14 @@ fn cancelling_gives_an_error_not_a_part() {
     let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
     let control = Control::default();
     control.cancel();
-    assert!(Reference.pair_counts(&plan, &ensemble, &control).is_err(), "cancelled work must not return sums");
+    assert!(wait(Reference.pair_counts(&plan, &ensemble, &control)).is_err(), "cancelled work must not return sums");
 }
 
 #[test]
 fn an_amplitude_conjugated_or_a_nan_in_a_covariance_is_caught() {
     let points = ensemble(&[uniform(2, 30, 1), uniform(2, 33, 2)]);
     let plan = CovariancePlan::new(points.domain(), Some(2), shape(&points)).unwrap();
-    let truth = Reference.wave_covariance(&plan, &points, &Control::default()).unwrap().unwrap();
+    let truth = wait(Reference.wave_covariance(&plan, &points, &Control::default())).unwrap();
     assert!(covariances_agree(&truth, &truth).is_err(), "reference against reference compares nothing");
     let planted = |change: &dyn Fn(&mut CovarianceSums)| {
         let mut sums = truth.totals();

@@ -3,7 +3,7 @@
 mod common;
 
 use assert_cmd::Command;
-use common::{Rng, ensemble, lattice, raw, wave_plan};
+use common::{Rng, ensemble, lattice, raw, wait, wave_plan};
 use pairwave::compute::{Compute, reference::Reference};
 use pairwave::control::Control;
 use pairwave::estimate::{PowerSpectrum, PsaStatistics, RadialSpectrum};
@@ -107,7 +107,7 @@ fn radial(sets: &[RawPoints], f: u32, convention: Convention, bugs: bool) -> (Wa
     let points: Ensemble = ensemble(sets);
     let dim = sets[0].dim;
     let plan = wave_plan(&points, &vec![f; dim], Accuracy::High).with_convention(convention, bugs).unwrap();
-    let power = Reference.wave_power(&plan, &points, &Control::default()).unwrap();
+    let power = wait(Reference.wave_power(&plan, &points, &Control::default())).unwrap();
     let spectrum = PowerSpectrum::new(&plan, &power);
     let radial = RadialSpectrum::new(&plan, &power, &spectrum);
     (plan, spectrum, radial)

@@ -33,7 +33,7 @@ fn cpu(threads: usize) -> Cpu {
 fn counts_are_equal(name: &str, plan: &PairPlan, ensemble: &Ensemble) {
     let truth = reference_counts(plan, ensemble);
     for cpu in levels() {
-        let counts = cpu.pair_counts(plan, ensemble, &Control::default()).unwrap();
+        let counts = wait(cpu.pair_counts(plan, ensemble, &Control::default())).unwrap();
         assert_counts_equal(&format!("{name}, {}", cpu.level().name()), &counts, &truth);
     }
 }
@@ -71,7 +71,7 @@ fn every_search_finds_the_same_pairs() {
             let truth = reference_counts(&plan, &case.ensemble);
             for forced in forced_searches(&plan) {
                 cells += usize::from(forced.search != PairSearch::All);
-                let counts = cpu(2).pair_counts(&forced, &case.ensemble, &Control::default()).unwrap();
+                let counts = wait(cpu(2).pair_counts(&forced, &case.ensemble, &Control::default())).unwrap();
                 let name = format!("{}, r < {}, {}", case.name, plan.bins.r_max(), forced.search);
                 assert_counts_equal(&name, &counts, &truth);
             }
@@ -94,7 +94,7 @@ fn cells_are_exact_at_their_limits() {
                     let plan = pair_plan(&ensemble, RadialBins::linear(r, 4).unwrap(), Correction::None);
                     let truth = reference_counts(&plan, &ensemble);
                     for forced in forced_searches(&plan) {
-                        let counts = cpu(1).pair_counts(&forced, &ensemble, &Control::default()).unwrap();
+                        let counts = wait(cpu(1).pair_counts(&forced, &ensemble, &Control::default())).unwrap();
                         assert_counts_equal(&format!("{dim}D, r_max {r:e}, {}", forced.search), &counts, &truth);
                     }
                 }
@@ -118,7 +118,7 @@ fn hostile_sets_are_exact_in_every_search() {
             let truth = reference_counts(&plan, &ensemble);
             for forced in forced_searches(&plan) {
                 for cpu in levels() {
-                    let counts = cpu.pair_counts(&forced, &ensemble, &Control::default()).unwrap();
+                    let counts = wait(cpu.pair_counts(&forced, &ensemble, &Control::default())).unwrap();
                     assert_counts_equal(&format!("{dim}D, {bins} bins to {r}, {}", forced.search), &counts, &truth);
                 }
             }
@@ -149,7 +149,7 @@ fn counts_of_large_lattices_are_those_of_the_integers() {
         let n = (k as u64).pow(dim as u32);
         let truth: Vec<u64> =
             (0..reach).map(|b| n * lattice_shell(dim, edge(b).powi(2), edge(b + 1).powi(2))).collect();
-        let counts = cpu(2).pair_counts(&plan, &ensemble, &Control::default()).unwrap();
+        let counts = wait(cpu(2).pair_counts(&plan, &ensemble, &Control::default())).unwrap();
         assert_eq!(counts.counts, truth, "{dim}D, {k} a side");
     }
 }
@@ -277,7 +277,7 @@ fn counters_pass_2_to_the_32() {
     let points = raw(2, vec![0.3; 2 * n]);
     let ensemble = ensemble(&[points]);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
-    let counts = cpu(2).pair_counts(&plan, &ensemble, &Control::default()).unwrap();
+    let counts = wait(cpu(2).pair_counts(&plan, &ensemble, &Control::default())).unwrap();
     let n = n as u64;
     assert_eq!(counts.counts, vec![n * (n - 1), 0, 0, 0]);
 }
@@ -297,8 +297,9 @@ fn threads_do_not_change_a_bit() {
         let run = |threads: usize| {
             let cpu = cpu(threads);
             let control = Control::default();
-            let counts = cpu.pair_counts(&pairs, &ensemble, &control).unwrap();
-            let powers: Vec<_> = waves.iter().map(|w| bits(&cpu.wave_power(w, &ensemble, &control).unwrap())).collect();
+            let counts = wait(cpu.pair_counts(&pairs, &ensemble, &control)).unwrap();
+            let powers: Vec<_> =
+                waves.iter().map(|w| bits(&wait(cpu.wave_power(w, &ensemble, &control)).unwrap())).collect();
             ((counts.counts, counts.bins, counts.realizations), powers)
         };
         let one = run(1);
@@ -328,15 +329,15 @@ fn cuts_of_a_batch_do_not_change_a_bit() {
     let waves = wave_plan(&ensemble, &[5, 4, 3], Accuracy::Fast);
     let (cpu, control) = (cpu(2), Control::default());
     let whole = (
-        cpu.pair_counts(&pairs, &ensemble, &control).unwrap(),
-        bits(&cpu.wave_power(&waves, &ensemble, &control).unwrap()),
+        wait(cpu.pair_counts(&pairs, &ensemble, &control)).unwrap(),
+        bits(&wait(cpu.wave_power(&waves, &ensemble, &control)).unwrap()),
     );
     for cut in [leaf, 3 * leaf, 5 * leaf] {
         let parts = [ensemble.slice(0..cut), ensemble.slice(cut..ensemble.realizations())];
-        let [mut counts, other] = parts.each_ref().map(|e| cpu.pair_counts(&pairs, e, &control).unwrap());
+        let [mut counts, other] = parts.each_ref().map(|e| wait(cpu.pair_counts(&pairs, e, &control)).unwrap());
         counts.merge(&other).unwrap();
         assert!(counts == whole.0, "counts cut at {cut}");
-        let [mut power, other] = parts.each_ref().map(|e| cpu.wave_power(&waves, e, &control).unwrap());
+        let [mut power, other] = parts.each_ref().map(|e| wait(cpu.wave_power(&waves, e, &control)).unwrap());
         power.merge(other).unwrap();
         assert!(bits(&power) == whole.1, "powers cut at {cut}");
     }
@@ -358,7 +359,7 @@ fn every_way(
     for accuracy in [Accuracy::Fast, Accuracy::High] {
         for plan in by_each_road(&plan(accuracy)) {
             for cpu in levels() {
-                let power = cpu.wave_power(&plan, ensemble, &Control::default()).unwrap();
+                let power = wait(cpu.wave_power(&plan, ensemble, &Control::default())).unwrap();
                 let road = plan.road.unwrap().name();
                 check(&format!("{name}, {}, {road}, {}", accuracy.name(), cpu.level().name()), &plan, &power);
             }
@@ -529,7 +530,7 @@ fn threads_do_not_change_a_bit_of_any_road() {
     let mut plans = by_each_road(&list.unwrap());
     plans.extend(by_each_road(&wave_plan(&points, &[70, 40], Accuracy::Fast)));
     for plan in plans {
-        let run = |threads: usize| bits(&cpu(threads).wave_power(&plan, &points, &Control::default()).unwrap());
+        let run = |threads: usize| bits(&wait(cpu(threads).wave_power(&plan, &points, &Control::default())).unwrap());
         let one = run(1);
         for threads in [2, 5] {
             assert!(run(threads) == one, "{:?} with {threads} threads", plan.road);
@@ -551,7 +552,7 @@ fn rings_alone_are_the_rings_of_the_grid() {
             let mut kept = Vec::new();
             for threads in [1, 2] {
                 let [all, alone] =
-                    [&plan, &alone].map(|p| cpu(threads).wave_power(p, &points, &Control::default()).unwrap());
+                    [&plan, &alone].map(|p| wait(cpu(threads).wave_power(p, &points, &Control::default())).unwrap());
                 assert_eq!(all.ring_totals(), alone.ring_totals(), "{f:?}, {:?}", plan.road);
                 let dc = plan.waves.dc().unwrap();
                 for (at, q) in alone.mode_totals().q.into_iter().enumerate() {
@@ -609,9 +610,9 @@ fn cancelling_is_an_error_and_bad_threads_are_refused() {
     let control = Control::default();
     control.cancel();
     let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
-    assert!(matches!(cpu(2).pair_counts(&pairs, &ensemble, &control), Err(Error::Cancelled)));
+    assert!(matches!(wait(cpu(2).pair_counts(&pairs, &ensemble, &control)), Err(Error::Cancelled)));
     let waves = wave_plan(&ensemble, &[4, 4], Accuracy::Fast);
-    assert!(matches!(cpu(2).wave_power(&waves, &ensemble, &control), Err(Error::Cancelled)));
+    assert!(matches!(wait(cpu(2).wave_power(&waves, &ensemble, &control)), Err(Error::Cancelled)));
     for threads in [0, 1_000_000] {
         let error = Cpu::new(Some(threads)).unwrap_err();
         assert!(error.to_string().starts_with(&format!("threads {threads}: ")), "{error}");
@@ -624,7 +625,7 @@ fn lag_counts_equal_the_reference() {
     let agree = |name: &str, plan: &pairwave::plan::LagPlan, ensemble: &Ensemble| {
         let truth = reference_lags(plan, ensemble);
         for cpu in levels() {
-            let counts = cpu.lag_counts(plan, ensemble, &Control::default()).unwrap();
+            let counts = wait(cpu.lag_counts(plan, ensemble, &Control::default())).unwrap();
             assert_lags_equal(&format!("{name}, {}", cpu.level().name()), &counts, &truth);
         }
     };
@@ -645,8 +646,8 @@ fn lag_counts_do_not_depend_on_threads() {
     let sets: Vec<_> = (0..40).map(|k| uniform(2, 50 + k as usize, k)).collect();
     for ensemble in [ensemble(&sets), ensemble(&[uniform(2, 3000, 1)])] {
         let plan = lag_plan(&ensemble, 12, None, Correction::None);
-        let mut one = cpu(1).lag_counts(&plan, &ensemble, &Control::default()).unwrap();
-        let three = cpu(3).lag_counts(&plan, &ensemble, &Control::default()).unwrap();
+        let mut one = wait(cpu(1).lag_counts(&plan, &ensemble, &Control::default())).unwrap();
+        let three = wait(cpu(3).lag_counts(&plan, &ensemble, &Control::default())).unwrap();
         one.computed_by = three.computed_by.clone();
         assert_eq!(one, three);
     }
@@ -665,7 +666,7 @@ fn covariances_equal_the_reference() {
         }
         let plan = CovariancePlan::new(points.domain(), Some(3), shape(&points)).unwrap();
         let of = |compute: &dyn Compute, points: &Ensemble| {
-            compute.wave_covariance(&plan, points, &Control::default()).unwrap().unwrap()
+            wait(compute.wave_covariance(&plan, points, &Control::default())).unwrap()
         };
         let reference = of(&pairwave::compute::reference::Reference, &points);
         let whole = of(&cpu(1), &points);

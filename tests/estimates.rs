@@ -264,7 +264,7 @@ fn cpu() -> Cpu {
 
 fn direct(device: &dyn Compute, plan: &KernelPlan, e: &Ensemble) -> KernelEstimate {
     assert_eq!(plan.road, KernelRoad::Direct);
-    let sums = device.kernel_sums(plan, e, &Control::default()).unwrap().unwrap();
+    let sums = wait(device.kernel_sums(plan, e, &Control::default())).unwrap();
     KernelEstimate::new(plan, &sums, Normalization::Pairs)
 }
 
@@ -319,7 +319,7 @@ fn the_fast_direct_sum_is_the_reference() {
                     assert!((a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() <= 1e-7 * scale, "{a:?} against {b:?}");
                 }
                 let sums = |threads, e: &Ensemble| {
-                    Cpu::new(Some(threads)).unwrap().kernel_sums(&plan, e, &Control::default()).unwrap().unwrap()
+                    wait(Cpu::new(Some(threads)).unwrap().kernel_sums(&plan, e, &Control::default())).unwrap()
                 };
                 let (one, three) = (sums(1, &e), sums(3, &e));
                 assert_eq!(one.totals(), three.totals(), "bit for bit");
@@ -374,9 +374,8 @@ fn a_cut_batch_gives_the_same_kernel_sums() {
     let e = ensemble(&sets);
     let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
     let plan = kernel_plan(&e, kernel, Divisor::R, &[0.1, 0.2, 0.3], Correction::None, 50.0);
-    let sums = |range: std::ops::Range<usize>| {
-        cpu().kernel_sums(&plan, &e.slice(range), &Control::default()).unwrap().unwrap()
-    };
+    let sums =
+        |range: std::ops::Range<usize>| wait(cpu().kernel_sums(&plan, &e.slice(range), &Control::default())).unwrap();
     let whole = sums(0..40);
     let mut parts = sums(0..16);
     parts.merge(sums(16..40)).unwrap();
@@ -394,7 +393,7 @@ fn binned_kernel_sums_keep_their_bound() {
             let kernel = Kernel { shape, bandwidth: 0.01 };
             let many = kernel_plan(&e, kernel, Divisor::R, &r, correction, 1e7);
             assert_eq!((many.road, many.pairs.bins.scale()), (KernelRoad::Binned, BinScale::Linear));
-            let binned = binned_kernel_sums(&Reference, &many, &e, &Control::default()).unwrap();
+            let binned = wait(binned_kernel_sums(&Reference, cpu().pool(), &many, &e, &Control::default())).unwrap();
             let binned = KernelEstimate::new(&many, &binned, Normalization::Pairs);
             let exact = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, correction, 400.0), &e);
             assert_eq!(binned.g[0], None, "r = 0 is undefined");
@@ -463,7 +462,7 @@ fn coincident_points_are_left_out_where_d_divides() {
     for device in [&Reference as &dyn Compute, &cpu()] {
         for (divisor, left_out) in [(Divisor::D, 2), (Divisor::R, 0)] {
             let plan = kernel_plan(&e, kernel, divisor, &[0.01, 0.05], Correction::None, 3.0);
-            let sums = device.kernel_sums(&plan, &e, &Control::default()).unwrap().unwrap();
+            let sums = wait(device.kernel_sums(&plan, &e, &Control::default())).unwrap();
             assert_eq!(sums.coincident, left_out, "ordered pairs");
             assert!(KernelEstimate::new(&plan, &sums, Normalization::Pairs).g.iter().all(|g| g.unwrap().is_finite()));
         }
@@ -485,7 +484,7 @@ fn rules_of_bandwidth() {
 
 fn search(e: &Ensemble, shape_: SmoothingKernel, r: [f64; 2]) -> (BandwidthSearch, PairCounts) {
     let search = BandwidthSearch::new(shape_, r, e.domain(), Correction::None, shape(e)).unwrap();
-    let counts = cpu().pair_counts(&search.pairs, e, &Control::default()).unwrap();
+    let counts = wait(cpu().pair_counts(&search.pairs, e, &Control::default())).unwrap();
     (search, counts)
 }
 
@@ -955,7 +954,7 @@ fn covariance(name: &str, n: u64, k: u64, dim: usize, b: u32, shifted: bool) -> 
     }
     let ensemble = ensemble(&sets);
     let plan = CovariancePlan::new(ensemble.domain(), Some(b), shape(&ensemble)).unwrap();
-    let sums = Cpu::new(Some(2)).unwrap().wave_covariance(&plan, &ensemble, &Control::default()).unwrap().unwrap();
+    let sums = wait(Cpu::new(Some(2)).unwrap().wave_covariance(&plan, &ensemble, &Control::default())).unwrap();
     (ensemble, AmplitudeCovariance::new(&plan, &sums))
 }
 
@@ -971,7 +970,7 @@ fn covariance_by_its_definition() {
     let sets: Vec<_> = (0..6).map(|k| uniform(2, 10 + k as usize % 2, k)).collect();
     let ensemble = ensemble(&sets);
     let plan = CovariancePlan::new(ensemble.domain(), Some(2), shape(&ensemble)).unwrap();
-    let sums = Reference.wave_covariance(&plan, &ensemble, &Control::default()).unwrap().unwrap();
+    let sums = wait(Reference.wave_covariance(&plan, &ensemble, &Control::default())).unwrap();
     let found = AmplitudeCovariance::new(&plan, &sums);
     let amplitude = |k: usize, m: [i32; 3]| {
         sets[k].coordinates.chunks_exact(2).fold([0.0, 0.0], |[re, im], x| {

@@ -10,7 +10,7 @@ use common::*;
 use pairwave::accumulate::{Backend, ComputedBy};
 use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
 use pairwave::analysis::{self, Analysis, Measurement, Plan};
-use pairwave::compute::{Compute, Device, cpu::Cpu, reference::Reference};
+use pairwave::compute::{Compute, Device, NotHere, Pending, Work, cpu::Cpu, reference::Reference};
 use pairwave::control::Control;
 use pairwave::plan::{LagPlan, PairPlan, WavePlan};
 use pairwave::points::Ensemble;
@@ -53,34 +53,57 @@ impl Compute for Mortal {
         ComputedBy::new(Backend::Gpu, "mortal")
     }
 
-    fn supports_wave_power(&self, _: &WavePlan) -> Result<(), String> {
-        if self.can_waves { Ok(()) } else { Err("mortal knows no waves".into()) }
+    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
+        let because = |why: &str| Err(NotHere::Because(why.into()));
+        match work {
+            Work::Waves(_) if !self.can_waves => because("mortal knows no waves"),
+            Work::Lags(_) if !self.can_lags => because("mortal knows no lags"),
+            Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
+            _ => Err(NotHere::Never),
+        }
     }
 
-    fn supports_lag_counts(&self, _: &LagPlan) -> Result<(), String> {
-        if self.can_lags { Ok(()) } else { Err("mortal knows no lags".into()) }
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        Box::pin(async move {
+            self.call()?;
+            let mut sums = Reference.pair_counts(plan, ensemble, control).await?;
+            sums.bins.sums.iter_mut().for_each(|sum| *sum += self.off);
+            sums.computed_by = self.computed_by();
+            Ok(sums)
+        })
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        self.call()?;
-        let mut sums = Reference.pair_counts(plan, ensemble, control)?;
-        sums.bins.sums.iter_mut().for_each(|sum| *sum += self.off);
-        sums.computed_by = self.computed_by();
-        Ok(sums)
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        Box::pin(async move {
+            self.call()?;
+            let mut sums = Reference.lag_counts(plan, ensemble, control).await?;
+            sums.computed_by = self.computed_by();
+            Ok(sums)
+        })
     }
 
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        self.call()?;
-        let mut sums = Reference.lag_counts(plan, ensemble, control)?;
-        sums.computed_by = self.computed_by();
-        Ok(sums)
-    }
-
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        self.call()?;
-        let mut sums = Reference.wave_power(plan, ensemble, control)?;
-        sums.computed_by = self.computed_by();
-        Ok(sums)
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        Box::pin(async move {
+            self.call()?;
+            let mut sums = Reference.wave_power(plan, ensemble, control).await?;
+            sums.computed_by = self.computed_by();
+            Ok(sums)
+        })
     }
 }
 
@@ -99,7 +122,7 @@ fn request(arguments: &str) -> Request {
 fn analyze(request: &Request, compute: impl Compute + 'static) -> Result<Analysis> {
     let source = Arc::new(Source::open(&request.input)?);
     let plan = Plan::of(request, &source)?;
-    let device = Device::new(Box::new(compute), Some(2));
+    let device = Device::new(Box::new(compute), Some(2)).unwrap();
     analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ())
 }
 
@@ -164,7 +187,7 @@ fn cancelling_ends_with_nothing() {
     let source = Arc::new(Source::open(&request.input).unwrap());
     let plan = Plan::new(&request, source.domain(), source.shape()).unwrap();
     let control = Control::default();
-    let cpu = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None);
+    let cpu = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None).unwrap();
     let mut stages = 0;
     // Asked to stop in the middle of the second batch.
     let result = analysis::run(&request, source, plan, &cpu, &control, &mut |progress| {
@@ -200,7 +223,7 @@ fn a_device_lost_while_realizations_come_in_is_replaced_for_good() {
     let truth = analyze(&request, Cpu::new(Some(2)).unwrap()).unwrap();
     let mortal = Mortal::new(3);
     let asked = mortal.asked.clone();
-    let device = Device::new(Box::new(mortal), Some(2));
+    let device = Device::new(Box::new(mortal), Some(2)).unwrap();
     let mut measurement = Measurement::live(&request, &device).unwrap();
     while measurement.step(&device, &Control::default()).unwrap() {}
     let found = measurement.analysis().unwrap();

@@ -11,7 +11,7 @@ use common::*;
 use pairwave::Error;
 use pairwave::accumulate::WavePower;
 use pairwave::compute::gpu::{AdapterChoice, Fill, GpuCompute, adapters, pair_kernel};
-use pairwave::compute::{Compute, cpu::Cpu};
+use pairwave::compute::{Compute, NotHere, Work, cpu::Cpu};
 use pairwave::control::Control;
 use pairwave::plan::{
     Accuracy, CellGrid, Correction, EnsembleShape, PairPlan, PairSearch, PairSettings, RadialBins, SearchCosts,
@@ -24,7 +24,7 @@ fn open(test: &str) -> Option<GpuCompute> {
     if gpu_tests_skipped(test) {
         return None;
     }
-    match GpuCompute::open(AdapterChoice::Any) {
+    match wait(GpuCompute::open(AdapterChoice::Any)) {
         Ok(gpu) => Some(gpu),
         Err(why) => panic!("{test}: {why} (PAIRWAVE_ALLOW_NO_GPU=1 skips where there is no driver)"),
     }
@@ -40,6 +40,14 @@ fn shared(test: &str) -> Option<&'static GpuCompute> {
     gpu
 }
 
+/// Why a device leaves something to the CPU path.
+fn refusal(gpu: &GpuCompute, work: Work<'_>) -> String {
+    match gpu.supports(work) {
+        Err(NotHere::Because(why)) => why,
+        other => panic!("{work:?}: {other:?}"),
+    }
+}
+
 fn go() -> Control {
     Control::default()
 }
@@ -52,16 +60,16 @@ fn self_check_passes_and_says_what_it_found() {
     // A device may have no f64, but one that has it is to compute well.
     let f64 = gpu.verdict().f64();
     assert!(f64.as_ref().err().is_none_or(|why| why.contains("SHADER_F64")), "{f64:?}");
-    assert!(adapters().iter().any(|a| a == gpu.gpu().summary()));
+    assert!(wait(adapters()).iter().any(|a| a == gpu.gpu().summary()));
 }
 
 #[test]
 fn an_adapter_that_is_not_there_is_an_error() {
-    let none = GpuCompute::open(AdapterChoice::Index(99)).map(|_| ()).unwrap_err();
+    let none = wait(GpuCompute::open(AdapterChoice::Index(99))).map(|_| ()).unwrap_err();
     assert!(matches!(none, Error::NoDevice { .. }), "{none}");
     // A processor in disguise is never taken for hardware.
-    let hardware = adapters().iter().any(|a| !a.software);
-    match GpuCompute::open(AdapterChoice::HardwareOnly) {
+    let hardware = wait(adapters()).iter().any(|a| !a.software);
+    match wait(GpuCompute::open(AdapterChoice::HardwareOnly)) {
         Ok(gpu) => assert!(!gpu.gpu().summary().software),
         Err(why) => assert!(!hardware && matches!(why, Error::NoDevice { .. }), "{why}"),
     }
@@ -71,14 +79,14 @@ fn an_adapter_that_is_not_there_is_an_error() {
 fn counts_are_equal() {
     let Some(gpu) = shared("counts") else { return };
     for case in pair_cases(500) {
-        let here = gpu.pair_counts(&case.plan, &case.ensemble, &go()).unwrap();
+        let here = wait(gpu.pair_counts(&case.plan, &case.ensemble, &go())).unwrap();
         assert_counts_equal(&case.name, &here, &reference_counts(&case.plan, &case.ensemble));
     }
 }
 
 /// Counts and minus sampling are equal, sums of weights within their bound.
 fn agree_with_the_reference(gpu: &GpuCompute, case: &PairCase) -> f64 {
-    let here = gpu.pair_counts(&case.plan, &case.ensemble, &go()).unwrap();
+    let here = wait(gpu.pair_counts(&case.plan, &case.ensemble, &go())).unwrap();
     let truth = reference_counts(&case.plan, &case.ensemble);
     if case.plan.weighted() {
         return assert_weights_within(&case.name, &here, &truth);
@@ -92,7 +100,7 @@ fn corrected_sums_agree() {
     let Some(gpu) = shared("corrections") else { return };
     let mut worst = 0f64;
     for case in corrected_cases(300) {
-        assert_eq!(gpu.supports_pair_counts(&case.plan), Ok(()), "{}", case.name);
+        assert_eq!(gpu.supports(Work::Pairs(&case.plan)), Ok(()), "{}", case.name);
         worst = worst.max(agree_with_the_reference(gpu, &case));
     }
     println!("worst of all: {worst:.1e}");
@@ -108,11 +116,11 @@ fn corrected_sums_are_the_same_bytes_however_the_work_is_cut() {
         for bins in [40, 9000] {
             let plan = pair_plan(&ensemble, RadialBins::linear(0.49, bins).unwrap(), correction);
             let Some(gpu) = shared("cuts") else { return };
-            let once = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
-            assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{correction}, again");
+            let once = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
+            assert_eq!(wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap(), once, "{correction}, again");
             let Some(gpu) = open("cuts") else { return };
             let gpu = gpu.with_tuning(|t| (t.pairs_per_dispatch, t.fill) = (1, Fill::Poison));
-            assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{correction}, cut");
+            assert_eq!(wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap(), once, "{correction}, cut");
         }
     }
 }
@@ -159,20 +167,20 @@ fn cell_cases() -> Vec<PairCase> {
 
 #[test]
 fn cells_find_the_same_pairs() {
-    let Some(mut gpu) = open("cells") else { return };
+    let Some(gpu) = shared("cells") else { return };
     let mut grids = 0;
     for case in cell_cases() {
         let PairCase { name, ensemble, plan } = &case;
         let truth = reference_counts(plan, ensemble);
         let beyond = plan.thresholds[plan.bins.len()];
-        gpu = gpu.with_tuning(|t| t.search = Some(PairSearch::All));
-        let all = gpu.pair_counts(plan, ensemble, &go()).unwrap();
+        let all = PairPlan { search: PairSearch::All, ..plan.clone() };
+        let all = wait(gpu.pair_counts(&all, ensemble, &go())).unwrap();
         let searches = [(1, 1e5), (2, 1e5), (3, 50.0)]
             .into_iter()
             .filter_map(|(reach, most)| CellGrid::new(ensemble.domain(), beyond, reach, most).map(PairSearch::Cells));
         for search in searches {
-            gpu = gpu.with_tuning(|t| t.search = Some(search));
-            let here = gpu.pair_counts(plan, ensemble, &go()).unwrap();
+            let cells = PairPlan { search, ..plan.clone() };
+            let here = wait(gpu.pair_counts(&cells, ensemble, &go())).unwrap();
             let name = format!("{name}, {search}");
             if plan.weighted() {
                 assert_weights_within(&name, &here, &truth);
@@ -194,14 +202,14 @@ fn cells_give_the_same_bytes_however_the_work_is_cut() {
     let plan = pair_plan(&ensemble, RadialBins::linear(0.2, 30).unwrap(), Correction::Isotropic);
     let beyond = plan.thresholds[plan.bins.len()];
     let grid = CellGrid::new(&window, beyond, 1, 1e4).unwrap();
-    let Some(gpu) = open("cut cells") else { return };
-    let mut gpu = gpu.with_tuning(|t| t.search = Some(PairSearch::Cells(grid)));
-    let once = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+    let plan = PairPlan { search: PairSearch::Cells(grid), ..plan };
+    let Some(mut gpu) = open("cut cells") else { return };
+    let once = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
     for (pairs, bytes) in [(1 << 31, 64 << 20), (1, 64 << 20), (1 << 12, 2000), (1 << 31, 1)] {
         gpu = gpu.with_tuning(|t| {
             (t.pairs_per_dispatch, t.buffer_bytes, t.fill) = (pairs, bytes, Fill::Poison);
         });
-        assert_eq!(gpu.pair_counts(&plan, &ensemble, &go()).unwrap(), once, "{pairs} pairs, {bytes} bytes");
+        assert_eq!(wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap(), once, "{pairs} pairs, {bytes} bytes");
     }
 }
 
@@ -212,8 +220,10 @@ fn large_sets_count_as_on_the_cpu() {
     let cpu = Cpu::new(None).unwrap();
     let ensemble = ensemble(&[uniform(2, 60_000, 1), clustered(2, 30_000, 2)]);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.01, 256).unwrap(), Correction::None);
-    let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
-    assert_counts_equal("large sets", &here, &cpu.pair_counts(&plan, &ensemble, &go()).unwrap());
+    let plan = plan.for_device(gpu.pair_device());
+    assert!(matches!(plan.search, PairSearch::Cells(_)));
+    let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
+    assert_counts_equal("large sets", &here, &wait(cpu.pair_counts(&plan, &ensemble, &go())).unwrap());
 }
 
 /// What is chosen by estimate: cells for many points and short distances, all pairs else.
@@ -245,7 +255,7 @@ fn counts_are_equal_over_many_tiles() {
     for (domain, bins, sets) in cases {
         let ensemble = ensemble_in(&domain, &sets);
         let plan = pair_plan(&ensemble, bins, Correction::None);
-        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
         assert_counts_equal(&format!("{domain:?}"), &here, &reference_counts(&plan, &ensemble));
     }
 }
@@ -260,7 +270,7 @@ fn wide_workgroups_count_the_same() {
     for bins in [RadialBins::linear(0.5, 45).unwrap(), RadialBins::logarithmic(0.01, 0.5, 30).unwrap()] {
         let plan = PairPlan::new(ensemble.domain(), bins, Correction::None, shape).unwrap();
         assert!(pair_kernel(&plan, 32 << 10).overrides.contains(&("WORKGROUP", 128)));
-        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
         assert_counts_equal("wide", &here, &reference_counts(&plan, &ensemble));
     }
 }
@@ -289,7 +299,7 @@ fn pairs_a_hair_from_an_edge() {
             RadialBins::from_edges((2..=32).map(|k| r * f64::from(k) / 32.0).collect()).unwrap(),
         ] {
             let plan = pair_plan(&ensemble, bins, Correction::None);
-            let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+            let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
             assert_counts_equal(&format!("{sides:?}"), &here, &reference_counts(&plan, &ensemble));
         }
     }
@@ -304,7 +314,7 @@ fn a_bin_beyond_32_bits() {
     let n = 95_000;
     let ensemble = ensemble(&[coincident(1, n)]);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 4).unwrap(), Correction::None);
-    let counts = gpu.pair_counts(&plan, &ensemble, &go()).unwrap().counts;
+    let counts = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap().counts;
     let n = n as u64;
     // The n coincident points among themselves, and each with the one at a distance of 0.15.
     assert_eq!(counts, [n * (n - 1), 2 * n, 0, 0]);
@@ -325,7 +335,7 @@ fn forced_many_dispatches_give_the_same_counts() {
     for (pairs, bytes) in [(1, 1 << 20), (1 << 18, 1 << 20), (1 << 40, 1 << 13), (3 << 16, 1)] {
         let Some(gpu) = open("many dispatches") else { return };
         let gpu = gpu.with_tuning(|t| (t.pairs_per_dispatch, t.buffer_bytes) = (pairs, bytes));
-        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
         assert_counts_equal(&format!("{pairs} pairs, {bytes} bytes"), &here, &truth);
     }
 }
@@ -336,10 +346,10 @@ fn many_small_realizations() {
     let sets: Vec<_> = (0..500).map(|k| uniform(2, 20 + k % 13, k as u64)).collect();
     let ensemble = ensemble(&sets);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 32).unwrap(), Correction::None);
-    let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+    let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
     assert_counts_equal("500 sets", &here, &reference_counts(&plan, &ensemble));
     let plan = wave_plan(&ensemble, &[6, 6], Accuracy::Fast);
-    let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap();
+    let here = wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap();
     assert_power_within("500 sets", Accuracy::Fast, &here, &reference_power(&plan, &ensemble));
 }
 
@@ -349,10 +359,10 @@ fn empty_realizations_are_zeros() {
     for sets in [vec![uniform(2, 0, 1)], vec![uniform(2, 0, 1), uniform(2, 1, 2), uniform(2, 0, 3)]] {
         let ensemble = ensemble(&sets);
         let plan = pair_plan(&ensemble, RadialBins::linear(0.5, 8).unwrap(), Correction::None);
-        let here = gpu.pair_counts(&plan, &ensemble, &go()).unwrap();
+        let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
         assert_counts_equal("empty", &here, &reference_counts(&plan, &ensemble));
         let plan = wave_plan(&ensemble, &[4, 4], Accuracy::Fast);
-        let (here, truth) = (gpu.wave_power(&plan, &ensemble, &go()).unwrap(), reference_power(&plan, &ensemble));
+        let (here, truth) = (wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap(), reference_power(&plan, &ensemble));
         assert_eq!((here.norm_totals(), here.realizations), (truth.norm_totals(), truth.realizations));
         for (a, b) in here.mode_totals().q.iter().zip(&truth.mode_totals().q) {
             assert!((a - b).abs() <= 1e-6, "{a} against {b}");
@@ -367,11 +377,13 @@ fn batches_can_be_split_anywhere_at_a_leaf() {
     let whole = ensemble(&sets);
     let pairs = pair_plan(&whole, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
     let waves = wave_plan(&whole, &[9, 9], Accuracy::Fast);
-    let all = (gpu.pair_counts(&pairs, &whole, &go()).unwrap(), gpu.wave_power(&waves, &whole, &go()).unwrap());
+    let all =
+        (wait(gpu.pair_counts(&pairs, &whole, &go())).unwrap(), wait(gpu.wave_power(&waves, &whole, &go())).unwrap());
     let parts = [0..16, 16..32, 32..48].map(|r| whole.slice(r));
     let mut merged: Option<(_, _)> = None;
     for part in &parts {
-        let (p, w) = (gpu.pair_counts(&pairs, part, &go()).unwrap(), gpu.wave_power(&waves, part, &go()).unwrap());
+        let (p, w) =
+            (wait(gpu.pair_counts(&pairs, part, &go())).unwrap(), wait(gpu.wave_power(&waves, part, &go())).unwrap());
         match &mut merged {
             None => merged = Some((p, w)),
             Some((ps, ws)) => {
@@ -448,7 +460,7 @@ fn power_is_within_its_bound() {
     for promise in promises(gpu) {
         for case in wave_cases() {
             let plan = wave_plan(&case.ensemble, &case.frequency, promise.accuracy);
-            let here = gpu.wave_power(&plan, &case.ensemble, &go()).unwrap();
+            let here = wait(gpu.wave_power(&plan, &case.ensemble, &go())).unwrap();
             let truth = reference_power(&plan, &case.ensemble);
             let error = assert_power_within(case.name, promise.accuracy, &here, &truth);
             if case.name.starts_with("uniform") {
@@ -478,7 +490,7 @@ fn power_of_weighted_points_is_within_its_bound() {
         for (what, ensemble) in [("one large", spread), ("sum 0", ensemble.with_weights(&weights))] {
             for promise in promises(gpu) {
                 let plan = wave_plan(&ensemble, &frequency, promise.accuracy);
-                let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap();
+                let here = wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap();
                 let name = format!("{name}, weights {what}");
                 let error = assert_power_within(&name, promise.accuracy, &here, &reference_power(&plan, &ensemble));
                 assert!(error.rms <= promise.rms && error.max <= promise.max, "{name}: {error:?}");
@@ -490,7 +502,7 @@ fn power_of_weighted_points_is_within_its_bound() {
 /// P here and by the reference, at every `every`th mode of a grid: the reference takes its time.
 fn sampled_power(gpu: &GpuCompute, ensemble: &Ensemble, f: u32, accuracy: Accuracy, every: usize) -> Vec<[f64; 2]> {
     let plan = wave_plan(ensemble, &[f, f], accuracy);
-    let here = gpu.wave_power(&plan, ensemble, &go()).unwrap().mode_totals().q;
+    let here = wait(gpu.wave_power(&plan, ensemble, &go())).unwrap().mode_totals().q;
     let indices: Vec<usize> = (0..plan.waves.len()).step_by(every).filter(|&i| plan.waves.dc() != Some(i)).collect();
     let vectors = indices.iter().map(|&i| plan.waves.vector(i)).collect();
     let list = WaveList { dim: 2, vectors, mirrored: false };
@@ -555,7 +567,7 @@ fn table_entries_are_good_at_any_frequency() {
         let ensemble = ensemble(&[raw(1, vec![0.0, x])]);
         for promise in promises(gpu) {
             let plan = wave_plan(&ensemble, &[65_536], promise.accuracy);
-            let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap().mode_totals().q;
+            let here = wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap().mode_totals().q;
             let truth = reference_power(&plan, &ensemble).mode_totals().q;
             // d|s|^2 = 2 (1 + c) dc + 2 s ds, at most 4 times the error of the entry, and |s|^2 <= 4 is rounded.
             let errors = here.iter().zip(&truth).map(|(a, b)| (a - b).abs() / 4.0);
@@ -573,7 +585,7 @@ fn power_of_repeated_coordinates_keeps_the_bound_for_any_points() {
     for n in [300, 4096, 65_536, 400_000] {
         let ensemble = ensemble(&[three_places(n)]);
         let plan = wave_plan(&ensemble, &[3], Accuracy::Fast);
-        let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap();
+        let here = wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap();
         assert_power_within(
             &format!("three places, n = {n}"),
             Accuracy::Fast,
@@ -601,7 +613,7 @@ fn power_of_a_lattice_vanishes_off_its_dual() {
             }
             let ensemble = ensemble(&[rank1(n, z)]);
             let plan = wave_plan(&ensemble, &[f, f], promise.accuracy);
-            let here = gpu.wave_power(&plan, &ensemble, &go()).unwrap().mode_totals().q;
+            let here = wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap().mode_totals().q;
             let (mut zeros, mut worst) = (0, 0f64);
             for (index, q) in here.iter().enumerate() {
                 let m = plan.waves.vector(index).map(|m| m as i64);
@@ -627,10 +639,12 @@ fn poisoned_memory_and_other_cuts_give_identical_bytes() {
     let Some(gpu) = shared("poison") else { return };
     let spectra = |gpu: &GpuCompute, frequency: &[u32]| -> Vec<WavePower> {
         let both = promises(gpu).flat_map(|p| [(p.accuracy, &plain), (p.accuracy, &weighted)]);
-        both.map(|(accuracy, points)| gpu.wave_power(&wave_plan(points, frequency, accuracy), points, &go()).unwrap())
-            .collect()
+        both.map(|(accuracy, points)| {
+            wait(gpu.wave_power(&wave_plan(points, frequency, accuracy), points, &go())).unwrap()
+        })
+        .collect()
     };
-    let clean = (gpu.pair_counts(&pairs, &plain, &go()).unwrap(), spectra(gpu, &[70, 71]));
+    let clean = (wait(gpu.pair_counts(&pairs, &plain, &go())).unwrap(), spectra(gpu, &[70, 71]));
     // 600 KiB hold one block of the grid at a time, 2^20 sums cut that into submissions. 1 byte is the smallest cut there is.
     for (fill, bytes, fma) in
         [(Fill::Poison, 64 << 20, 1 << 29), (Fill::Poison, 600 << 10, 1 << 20), (Fill::Zero, 1, 1)]
@@ -639,7 +653,7 @@ fn poisoned_memory_and_other_cuts_give_identical_bytes() {
         let gpu = gpu.with_tuning(|t| (t.fill, t.buffer_bytes, t.fma_per_dispatch) = (fill, bytes, fma));
         for _ in 0..2 {
             if bytes > 1 {
-                assert_eq!(gpu.pair_counts(&pairs, &plain, &go()).unwrap(), clean.0, "{fill:?}, {bytes}");
+                assert_eq!(wait(gpu.pair_counts(&pairs, &plain, &go())).unwrap(), clean.0, "{fill:?}, {bytes}");
             }
             assert_eq!(spectra(&gpu, &[70, 71]), clean.1, "{fill:?}, {bytes}");
         }
@@ -652,12 +666,12 @@ fn a_lost_device_is_an_error_and_stays_one() {
     let ensemble = ensemble(&[uniform(2, 300, 1)]);
     let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
     let waves = wave_plan(&ensemble, &[9, 9], Accuracy::Fast);
-    gpu.pair_counts(&pairs, &ensemble, &go()).unwrap();
+    wait(gpu.pair_counts(&pairs, &ensemble, &go())).unwrap();
     gpu.gpu().lose();
     for _ in 0..2 {
-        let why = gpu.pair_counts(&pairs, &ensemble, &go()).unwrap_err();
+        let why = wait(gpu.pair_counts(&pairs, &ensemble, &go())).unwrap_err();
         assert!(matches!(why, Error::Device { .. }) && why.to_string().contains("lost"), "{why}");
-        let why = gpu.wave_power(&waves, &ensemble, &go()).unwrap_err();
+        let why = wait(gpu.wave_power(&waves, &ensemble, &go())).unwrap_err();
         assert!(matches!(why, Error::Device { .. }), "{why}");
     }
 }
@@ -670,7 +684,7 @@ fn a_device_lost_at_work_is_an_error() {
     let ensemble = ensemble(&[uniform(2, 20_000, 1)]);
     let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
     let why = std::thread::scope(|scope| {
-        let work = scope.spawn(|| (0..10_000).find_map(|_| gpu.pair_counts(&pairs, &ensemble, &go()).err()));
+        let work = scope.spawn(|| (0..10_000).find_map(|_| wait(gpu.pair_counts(&pairs, &ensemble, &go())).err()));
         std::thread::sleep(std::time::Duration::from_millis(500));
         gpu.gpu().lose();
         work.join().expect("no panic").expect("an error")
@@ -685,9 +699,9 @@ fn cancelled_work_ends() {
     let pairs = pair_plan(&ensemble, RadialBins::linear(0.5, 20).unwrap(), Correction::None);
     let control = Control::default();
     control.cancel();
-    assert!(matches!(gpu.pair_counts(&pairs, &ensemble, &control), Err(Error::Cancelled)));
+    assert!(matches!(wait(gpu.pair_counts(&pairs, &ensemble, &control)), Err(Error::Cancelled)));
     let waves = wave_plan(&ensemble, &[9, 9], Accuracy::Fast);
-    assert!(matches!(gpu.wave_power(&waves, &ensemble, &control), Err(Error::Cancelled)));
+    assert!(matches!(wait(gpu.wave_power(&waves, &ensemble, &control)), Err(Error::Cancelled)));
 }
 
 #[test]
@@ -696,37 +710,37 @@ fn what_is_not_done_here_is_said() {
     let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
     let ensemble = ensemble_in(&window, &[uniform(2, 50, 1)]);
     let plain = pair_plan(&ensemble, RadialBins::linear(0.4, 8).unwrap(), Correction::None);
-    assert_eq!(gpu.supports_pair_counts(&plain), Ok(()));
+    assert_eq!(gpu.supports(Work::Pairs(&plain)), Ok(()));
     let bins = |r: f64| RadialBins::linear(r, 8).unwrap();
     // Weights that grow without bound, and weights of points.
     let steep = pair_plan(&ensemble, bins(0.999), Correction::Translation);
-    assert!(gpu.supports_pair_counts(&steep).unwrap_err().contains("translation weights up to"));
+    assert!(refusal(gpu, Work::Pairs(&steep)).contains("translation weights up to"));
     let settings = PairSettings { masses: true, ..Correction::None.into() };
     let masses = PairPlan::new(&window, bins(0.4), settings, shape(&ensemble)).unwrap();
-    assert!(gpu.supports_pair_counts(&masses).unwrap_err().contains("weights of points"));
+    assert!(refusal(gpu, Work::Pairs(&masses)).contains("weights of points"));
     for plan in [steep, masses] {
-        assert!(gpu.pair_counts(&plan, &ensemble, &go()).is_err());
+        assert!(wait(gpu.pair_counts(&plan, &ensemble, &go())).is_err());
     }
-    assert_eq!(gpu.supports_wave_power(&wave_plan(&ensemble, &[4, 4], Accuracy::Fast)), Ok(()));
+    assert_eq!(gpu.supports(Work::Waves(&wave_plan(&ensemble, &[4, 4], Accuracy::Fast))), Ok(()));
     let high = wave_plan(&ensemble, &[4, 4], Accuracy::High);
-    let why = gpu.verdict().f64().map_err(|why| format!("accuracy high needs f64: {why}"));
-    assert_eq!(gpu.supports_wave_power(&high), why);
-    assert_eq!(gpu.wave_power(&high, &ensemble, &go()).is_ok(), why.is_ok());
+    let why = gpu.verdict().f64().map_err(|why| NotHere::Because(format!("accuracy high needs f64: {why}")));
+    assert_eq!(gpu.supports(Work::Waves(&high)), why);
+    assert_eq!(wait(gpu.wave_power(&high, &ensemble, &go())).is_ok(), why.is_ok());
     let list = WaveList { dim: 2, vectors: vec![[1.0, 2.0, 0.0]], mirrored: false };
     let listed = WavePlan::new(&Domain::unit_torus(2), list, Accuracy::Fast, shape(&ensemble)).unwrap();
-    assert!(gpu.supports_wave_power(&listed).unwrap_err().contains("lists"));
-    assert!(gpu.wave_power(&listed, &ensemble, &go()).is_err());
+    assert!(refusal(gpu, Work::Waves(&listed)).contains("lists"));
+    assert!(wait(gpu.wave_power(&listed, &ensemble, &go())).is_err());
     // More than any device has in one buffer: the number of bytes is said.
     let huge = EnsembleShape { max_points: 1 << 40, ..shape(&ensemble) };
     let huge = WavePlan::new(&window, WaveGrid::new(&[4, 4]).unwrap(), Accuracy::Fast, huge).unwrap();
-    assert!(gpu.supports_wave_power(&huge).unwrap_err().contains("17592186044416 bytes"));
+    assert!(refusal(gpu, Work::Waves(&huge)).contains("17592186044416 bytes"));
 }
 
 #[test]
 fn lag_counts_are_equal() {
     let Some(gpu) = shared("lag counts") else { return };
     for case in lag_cases(120) {
-        let here = gpu.lag_counts(&case.plan, &case.ensemble, &go()).unwrap();
+        let here = wait(gpu.lag_counts(&case.plan, &case.ensemble, &go())).unwrap();
         assert_lags_equal(&case.name, &here, &reference_lags(&case.plan, &case.ensemble));
     }
     // Several tiles, the last of them partial, and realizations of very different sizes in one dispatch.
@@ -734,7 +748,7 @@ fn lag_counts_are_equal() {
     for domain in [Domain::unit_torus(2), Domain::torus(&[1.0, 0.8]).unwrap()] {
         let ensemble = ensemble_in(&domain, &sets);
         let plan = lag_plan(&ensemble, 32, None, Correction::None);
-        let here = gpu.lag_counts(&plan, &ensemble, &go()).unwrap();
+        let here = wait(gpu.lag_counts(&plan, &ensemble, &go())).unwrap();
         assert_lags_equal("several tiles", &here, &reference_lags(&plan, &ensemble));
     }
 }
@@ -750,5 +764,5 @@ fn lag_counts_do_not_depend_on_cuts_or_memory() {
         t.buffer_bytes = 1 << 12;
         t.fill = Fill::Poison;
     });
-    assert_lags_equal("small cuts", &gpu.lag_counts(&plan, &ensemble, &go()).unwrap(), &truth);
+    assert_lags_equal("small cuts", &wait(gpu.lag_counts(&plan, &ensemble, &go())).unwrap(), &truth);
 }

@@ -19,15 +19,15 @@ fn for_each_hand(law: impl Fn(&dyn Compute)) {
 }
 
 fn counts(hand: &dyn Compute, plan: &PairPlan, ensemble: &Ensemble) -> PairCounts {
-    hand.pair_counts(plan, ensemble, &Control::default()).unwrap()
+    wait(hand.pair_counts(plan, ensemble, &Control::default())).unwrap()
 }
 
 fn lags(hand: &dyn Compute, plan: &LagPlan, ensemble: &Ensemble) -> LagCounts {
-    hand.lag_counts(plan, ensemble, &Control::default()).unwrap()
+    wait(hand.lag_counts(plan, ensemble, &Control::default())).unwrap()
 }
 
 fn power(hand: &dyn Compute, plan: &WavePlan, ensemble: &Ensemble) -> WavePower {
-    hand.wave_power(plan, ensemble, &Control::default()).unwrap()
+    wait(hand.wave_power(plan, ensemble, &Control::default())).unwrap()
 }
 
 fn all_pairs(ensemble: &Ensemble) -> PairPlan {
@@ -131,7 +131,10 @@ fn shards_merge_to_the_bytes_of_the_whole() {
         let (pairs, waves) = (all_pairs(&whole), wave_plan(&whole, &[3, 3], Accuracy::Fast));
         let run = |part: &Ensemble| -> (PairCounts, WavePower) {
             let control = Control::default();
-            (hand.pair_counts(&pairs, part, &control).unwrap(), hand.wave_power(&waves, part, &control).unwrap())
+            (
+                wait(hand.pair_counts(&pairs, part, &control)).unwrap(),
+                wait(hand.wave_power(&waves, part, &control)).unwrap(),
+            )
         };
         let (all_counts, all_power) = run(&whole);
         for cut in (LEAF..whole.realizations() as u64).step_by(LEAF as usize) {

@@ -16,7 +16,7 @@ use pairwave::request::Request;
 use pairwave::source::Source;
 
 fn device() -> Device {
-    Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2))
+    Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2)).unwrap()
 }
 
 fn request(line: &str) -> Request {

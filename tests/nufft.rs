@@ -68,7 +68,7 @@ impl Case {
         (0..grid.half_len()).map(|index| self.amplitude(grid.mode(index))).collect()
     }
 
-    fn amplitudes_by(&self, nufft: &Nufft, grid: &WaveGrid, pool: Option<&rayon::ThreadPool>) -> Vec<Complex<f64>> {
+    fn amplitudes_by(&self, nufft: &Nufft, grid: &WaveGrid, pool: Option<&pairwave::Pool>) -> Vec<Complex<f64>> {
         // NaN, so that whatever is not written cannot pass.
         let mut out = vec![Complex::new(f64::NAN, f64::NAN); grid.half_len()];
         let points = Points { axes: &self.views(), weights: self.weights.as_deref() };
@@ -316,7 +316,7 @@ fn threads_and_scratch_do_not_change_a_bit() {
             let nufft = Nufft::new(&grid, 1e-7, n as f64, SimdLevel::detect()).unwrap();
             let one = case.amplitudes_by(&nufft, &grid, None);
             for threads in [1, 2, 3, 7] {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let pool = pairwave::Pool::new(Some(threads)).unwrap();
                 assert_eq!(one, case.amplitudes_by(&nufft, &grid, Some(&pool)), "{f:?} on {threads} threads");
             }
             // What another plan and other points left behind.

@@ -161,7 +161,7 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
     let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth };
     let r = a.pair_correlation().unwrap().r.clone();
     let plan = KernelPlan::new(kernel, Divisor::R, r, false, &unit(2), Correction::None, shape(&whole)).unwrap();
-    let sums = Reference.kernel_sums(&plan, &whole, &Control::default()).unwrap().unwrap();
+    let sums = wait(Reference.kernel_sums(&plan, &whole, &Control::default())).unwrap();
     a.findings.insert(KernelEstimate::new(&plan, &sums, Normalization::Pairs));
     a.findings.insert(envelopes(&a, 19));
     scenes.push(("jittered", a));

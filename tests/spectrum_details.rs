@@ -21,13 +21,14 @@ use pairwave::points::{Domain, Ensemble, RawPoints};
 fn details(e: &Ensemble, f: &[u32], bins: usize, lag_bins: usize) -> (PowerSpectrum, RadialSpectrum, SpectrumDetails) {
     let (cpu, control) = (Cpu::new(Some(2)).unwrap(), Control::default());
     let plan = sectors(wave_plan(e, f, Accuracy::High), 18);
-    let power = cpu.wave_power(&plan, e, &control).unwrap();
+    let power = wait(cpu.wave_power(&plan, e, &control)).unwrap();
     let spectrum = PowerSpectrum::new(&plan, &power);
     let radial = RadialSpectrum::new(&plan, &power, &spectrum);
     let pairs = pair_plan(e, RadialBins::linear(e.domain().shortest_side() / 2.0, bins).unwrap(), Correction::None);
-    let g = PairCorrelation::new(&pairs, &cpu.pair_counts(&pairs, e, &control).unwrap(), Normalization::Pairs);
+    let g = PairCorrelation::new(&pairs, &wait(cpu.pair_counts(&pairs, e, &control)).unwrap(), Normalization::Pairs);
     let lags = lag_plan(e, lag_bins, None, Correction::None);
-    let vector = VectorCorrelation::new(&lags, &cpu.lag_counts(&lags, e, &control).unwrap(), Normalization::Pairs);
+    let vector =
+        VectorCorrelation::new(&lags, &wait(cpu.lag_counts(&lags, e, &control)).unwrap(), Normalization::Pairs);
     let details = SpectrumDetails::new(&plan, &power, &spectrum, &radial, Some(&g), Some(&vector));
     (spectrum, radial, details)
 }
@@ -347,9 +348,10 @@ fn lag_counts_and_wave_power_agree_within_aliasing() {
     let e = ensemble(&(0..20).map(|s| jittered(20, s)).collect::<Vec<_>>());
     let plan = wave_plan(&e, &[30, 30], Accuracy::High);
     let (cpu, control) = (Cpu::new(Some(2)).unwrap(), Control::default());
-    let spectrum = PowerSpectrum::new(&plan, &cpu.wave_power(&plan, &e, &control).unwrap());
+    let spectrum = PowerSpectrum::new(&plan, &wait(cpu.wave_power(&plan, &e, &control)).unwrap());
     let lags = lag_plan(&e, 40, None, Correction::None);
-    let vector = VectorCorrelation::new(&lags, &cpu.lag_counts(&lags, &e, &control).unwrap(), Normalization::Pairs);
+    let vector =
+        VectorCorrelation::new(&lags, &wait(cpu.lag_counts(&lags, &e, &control)).unwrap(), Normalization::Pairs);
     let right = LagConsistency::new(e.domain(), shape(&e), &vector, &spectrum).unwrap();
     assert!((0.6..1.5).contains(&right.ratio), "{right:?}");
     let mut wrong = vector.clone();
@@ -428,7 +430,7 @@ fn rings_alone_are_enough_or_nothing_is_said() {
     let rings = WavePlan { rings_only: true, ..whole.clone() };
     let cpu = Cpu::new(Some(1)).unwrap();
     let [whole, rings] =
-        [whole, rings].map(|plan| estimates(&plan, &cpu.wave_power(&plan, &e, &Control::default()).unwrap()).2);
+        [whole, rings].map(|plan| estimates(&plan, &wait(cpu.wave_power(&plan, &e, &Control::default())).unwrap()).2);
     assert_eq!(rings.angular, whole.angular);
     assert!(rings.axes.modes.len() < whole.axes.modes.len());
     for mode in &rings.axes.modes {

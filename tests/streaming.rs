@@ -25,7 +25,7 @@ fn request(line: &str) -> Request {
 }
 
 fn device() -> Device {
-    Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2))
+    Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2)).unwrap()
 }
 
 /// All files of numbers.

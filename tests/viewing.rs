@@ -37,7 +37,7 @@ fn analyze(arguments: &str) -> Analysis {
     let request = request(arguments);
     let source = Source::open(&request.input).unwrap();
     let plan = Plan::of(&request, &source).unwrap();
-    let device = Device::new(Box::new(Cpu::new(None).unwrap()), None);
+    let device = Device::new(Box::new(Cpu::new(None).unwrap()), None).unwrap();
     analysis::run(&request, Arc::new(source), plan, &device, &Control::default(), &mut |_| ()).unwrap()
 }
 

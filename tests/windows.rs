@@ -6,7 +6,7 @@ mod common;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use assert_cmd::Command;
-use common::{Rng, ensemble_in, raw, shape, uniform};
+use common::{Rng, ensemble_in, raw, shape, uniform, wait};
 use pairwave::accumulate::WavePower;
 use pairwave::compute::{Compute, cpu::Cpu, reference::Reference};
 use pairwave::control::Control;
@@ -21,7 +21,7 @@ fn plan(points: &Ensemble, waves: impl Into<WaveVectors>, taper: TaperPlan) -> W
 }
 
 fn reference(plan: &WavePlan, points: &Ensemble) -> WavePower {
-    Reference.wave_power(plan, points, &Control::default()).unwrap()
+    wait(Reference.wave_power(plan, points, &Control::default())).unwrap()
 }
 
 /// Wave vectors between the allowed ones, in cycles per side.
@@ -196,7 +196,7 @@ fn cpu_keeps_its_bound() {
                 {
                     let plan = plan(points, waves, TaperPlan::new(kind, orders, debias, dim).unwrap());
                     let truth = PowerSpectrum::new(&plan, &reference(&plan, points)).p;
-                    let sums = cpu.wave_power(&plan, points, &Control::default()).unwrap();
+                    let sums = wait(cpu.wave_power(&plan, points, &Control::default())).unwrap();
                     let found = PowerSpectrum::new(&plan, &sums).p;
                     let worst = truth.iter().zip(&found).map(|(t, f)| (t - f).abs() / (1.0 + t.abs()));
                     let worst = worst.fold(0.0, f64::max);
@@ -220,7 +220,7 @@ fn random_points_have_the_expected_mean() {
         for debias in DEBIAS {
             let taper = TaperPlan::new(kind, orders, debias, 2).unwrap();
             let plan = plan(&points, off_grid(2), taper);
-            let sums = cpu.wave_power(&plan, &points, &Control::default()).unwrap();
+            let sums = wait(cpu.wave_power(&plan, &points, &Control::default())).unwrap();
             let spectrum = PowerSpectrum::new(&plan, &sums);
             for index in 0..plan.waves.len() {
                 let m = plan.waves.vector(index);
@@ -253,7 +253,7 @@ fn errors_of_a_single_realization_are_those_of_many() {
         let taper = TaperPlan::new(Taper::Sine, Some(orders), Debias::Direct, 2).unwrap();
         let rings = |points: &Ensemble| {
             let plan = plan(points, grid, taper);
-            let sums = cpu.wave_power(&plan, points, &Control::default()).unwrap();
+            let sums = wait(cpu.wave_power(&plan, points, &Control::default())).unwrap();
             RadialSpectrum::new(&plan, &sums, &PowerSpectrum::new(&plan, &sums)).rings
         };
         let sets: Vec<_> = (0..300).map(|s| uniform(2, 200, 9000 + s)).collect();

@@ -1,9 +1,15 @@
 //! What the benches share: a clock and points.
+#![allow(dead_code, reason = "every bench uses its own part")]
 
 use std::time::Instant;
 
 use pairwave::plan::EnsembleShape;
 use pairwave::points::{Domain, Ensemble, RawPoints};
+
+/// What a backend was asked for.
+pub fn wait<T>(work: impl Future<Output = T>) -> T {
+    pollster::block_on(work)
+}
 
 /// Processor time of all threads of this process, or wall time where the system does not tell.
 pub struct Clock {

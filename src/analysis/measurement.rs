@@ -10,7 +10,7 @@ use super::plan::{check_convention, check_points};
 use super::ranges::Ranges;
 use super::status::{Status, TrackStatus};
 use crate::accumulate::{Backend, ComputedBy};
-use crate::compute::{Device, Work};
+use crate::compute::{Device, Session};
 use crate::control::{Clock, Control, Instant, Progress};
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
@@ -37,7 +37,7 @@ const STEP: f64 = 0.05;
 /// # fn main() -> pairwave::Result<()> {
 /// let arguments = "--sampler jittered -n 64 -k 40 --stats pcf".split(' ').map(String::from);
 /// let request = Request::parse(arguments)?;
-/// let (device, control) = (Device::new(Box::new(Cpu::new(None)?), None), Control::default());
+/// let (device, control) = (Device::new(Box::new(Cpu::new(None)?), None)?, Control::default());
 /// // Two shards, which may run on two machines.
 /// let mut whole = Measurement::of(&request)?.within(0..16, &device)?;
 /// let mut rest = Measurement::of(&request)?.within(16..40, &device)?;
@@ -215,9 +215,9 @@ impl Measurement {
         tell: &mut dyn FnMut(Progress),
     ) -> Result<bool> {
         control.check()?;
-        self.resolve()?;
+        self.resolve(device)?;
         let Some(at) = self.furthest_behind() else {
-            self.check(control)?;
+            self.check(device, control)?;
             return Ok(false);
         };
         let (live, most) = (self.live, self.plan.batch);
@@ -233,23 +233,25 @@ impl Measurement {
             Some(batch) => batch.clone(),
             None => {
                 told("points");
-                Arc::new(self.clock.time("points", || self.source.batch(range.clone(), control))?)
+                let (source, range) = (&self.source, range.clone());
+                let draw = || device.pool().install(|| source.batch(range, control));
+                Arc::new(self.clock.time("points", draw)?)
             }
         };
         told(track.part.stage());
-        let mut work = Work::new(device, control);
+        let mut session = Session::new(device, control);
         let start = Instant::now();
-        let sums = track.part.measure(&batch, &mut work).await?;
+        let sums = track.part.measure(&batch, &mut session).await?;
         let seconds = start.elapsed().as_secs_f64();
         track.add(range.clone(), sums)?;
         track.each = seconds / batch.realizations() as f64;
         self.clock.add(track.part.stage(), seconds);
-        for warning in work.into_warnings() {
+        for warning in session.into_warnings() {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
         }
-        self.see(&batch);
+        device.pool().install(|| self.see(&batch));
         self.batch = Some(batch);
         Ok(true)
     }
@@ -274,7 +276,7 @@ impl Measurement {
     }
 
     /// Gives groups that waited for the sums of another over all realizations what they waited for.
-    fn resolve(&mut self) -> Result<()> {
+    fn resolve(&mut self, device: &Device) -> Result<()> {
         for at in 0..self.tracks.len() {
             let Some(name) = self.tracks[at].part.waits_for() else { continue };
             let Some(before) = self.tracks.iter().find(|t| t.part.name() == name && t.done.count() == self.total())
@@ -283,7 +285,8 @@ impl Measurement {
             };
             let Some(sums) = before.sums()? else { continue };
             let start = Instant::now();
-            let part = self.tracks[at].part.after(sums.as_ref(), before.part.as_ref(), &self.request)?;
+            let (waiting, request) = (&self.tracks[at].part, &self.request);
+            let part = device.pool().install(|| waiting.after(sums.as_ref(), before.part.as_ref(), request))?;
             self.clock.add("cross-validation", start.elapsed().as_secs_f64());
             // Estimates are made by the plan, which has what was found too.
             let name = part.name();
@@ -301,10 +304,11 @@ impl Measurement {
     }
 
     /// What is known only once every realization was seen.
-    fn check(&mut self, control: &Control) -> Result<()> {
+    fn check(&mut self, device: &Device, control: &Control) -> Result<()> {
         if self.sizes.is_empty() {
             // No statistic is wanted: the points alone.
-            let batch = self.source.batch(self.span.start..self.span.start + 1, control)?;
+            let (source, first) = (&self.source, self.span.start);
+            let batch = device.pool().install(|| source.batch(first..first + 1, control))?;
             self.see(&batch);
         }
         check_points(self.plan.parts.needs_pairs(), self.shape())?;

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pairwave::analysis::{self, Plan};
-use pairwave::compute::{Device, cpu::check_threads};
+use pairwave::compute::Device;
 use pairwave::request::{Request, shell_words};
 use pairwave::source::Source;
-use pairwave::{Result, report};
+use pairwave::{Result, check_threads, report};
 
 use super::print;
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
@@ -44,13 +44,11 @@ impl Analyze {
         }
         if let Some(threads) = self.request.threads {
             check_threads(threads)?;
-            // Samplers and neighbours work in the global pool; a second call in one process would be our own mistake.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         let control = stop_on_interrupt()?;
         let source = Arc::new(Source::open(&self.request.input)?);
         let plan = Plan::of(&self.request, &source)?;
-        let device = Device::open(self.request.device, self.request.threads)?;
+        let device = pollster::block_on(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
             eprintln!("note: {note}");
         }

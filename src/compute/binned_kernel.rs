@@ -9,18 +9,20 @@ use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{GPU_WEIGHT_BOUND, KernelPlan};
 use crate::points::Ensemble;
+use crate::pool::Pool;
 
-/// The kernel sums of every realization, from the counts of a device.
-pub fn kernel_sums(
+/// The kernel sums of every realization, from the counts of a device; `pool` smooths them.
+pub async fn kernel_sums(
     device: &dyn Compute,
+    pool: &Pool,
     plan: &KernelPlan,
     ensemble: &Ensemble,
     control: &Control,
 ) -> Result<KernelSums> {
     let mut sums = KernelSums::new(device.computed_by(), plan.r.len());
     for k in 0..ensemble.realizations() {
-        let counts = device.pair_counts(&plan.pairs, &ensemble.slice(k..k + 1), control)?;
-        sums.add(ensemble.first_index() + k as u64, &curve(plan, &counts));
+        let counts = device.pair_counts(&plan.pairs, &ensemble.slice(k..k + 1), control).await?;
+        sums.add(ensemble.first_index() + k as u64, &pool.install(|| curve(plan, &counts)));
     }
     sums.close_leaf();
     Ok(sums)

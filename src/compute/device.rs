@@ -1,54 +1,60 @@
 //! A device made ready, with the CPU path behind it.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 
-use super::cpu::{Cpu, check_threads};
+use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
-use super::neighbors::neighbor_sums;
-use super::{Compute, binned_kernel, reference::Reference};
+use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
 use crate::accumulate::{ComputedBy, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
+use crate::pool::{Pool, check_threads};
 use crate::request::DeviceChoice;
 
 /// What computes: a GPU, the CPU path or the reference. What a GPU does not do, or everything once it has failed, the CPU path
-/// does. Opened once; both last as long as it does.
+/// does. Opened once; both last as long as it does, and so does the memory that it failed.
 pub struct Device {
     compute: Box<dyn Compute>,
     note: Option<String>,
-    threads: Option<usize>,
-    cpu: Mutex<Option<Arc<Cpu>>>,
+    /// Of the CPU path, and of all parallel work around a device.
+    pool: Pool,
+    cpu: OnceLock<Cpu>,
     /// What the device said when it failed.
     failure: OnceLock<String>,
 }
 
 impl Device {
-    /// Of something that computes. `threads` are those of the CPU path behind it.
-    pub fn new(compute: Box<dyn Compute>, threads: Option<usize>) -> Self {
-        Self { compute, note: None, threads, cpu: Mutex::default(), failure: OnceLock::new() }
+    /// Of something that computes. `threads` are those of the CPU path behind it, where it has none of its own.
+    ///
+    /// # Errors
+    /// `Error::Setting` for a number of threads that cannot be.
+    pub fn new(compute: Box<dyn Compute>, threads: Option<usize>) -> Result<Self> {
+        // A device's own threads go before.
+        let pool = compute.pool().cloned().map_or_else(|| Pool::new(threads), Ok)?;
+        Ok(Self { compute, note: None, pool, cpu: OnceLock::new(), failure: OnceLock::new() })
     }
 
     /// Opens the device that is asked for. `threads` is for the CPU path.
     ///
     /// # Errors
     /// `Error::NoDevice` where there is none of the kind, `Error::Setting` for a number of threads that cannot be.
-    pub fn open(choice: DeviceChoice, threads: Option<usize>) -> Result<Self> {
-        let gpu = |choice| -> Result<Self> {
+    pub async fn open(choice: DeviceChoice, threads: Option<usize>) -> Result<Self> {
+        let gpu = async |choice| -> Result<Self> {
             // The CPU path stands behind every GPU.
             threads.map_or(Ok(()), check_threads)?;
-            Ok(Self::new(Box::new(GpuCompute::open(choice)?), threads))
+            Self::new(Box::new(GpuCompute::open(choice).await?), threads)
         };
         match choice {
-            DeviceChoice::Cpu => Ok(Self::new(Box::new(Cpu::new(threads)?), threads)),
-            DeviceChoice::Reference => Ok(Self::new(Box::new(Reference), threads)),
-            DeviceChoice::Gpu => gpu(AdapterChoice::Any),
-            DeviceChoice::Index(index) => gpu(AdapterChoice::Index(index)),
-            DeviceChoice::Auto => match gpu(AdapterChoice::HardwareOnly) {
+            DeviceChoice::Cpu => Self::new(Box::new(Cpu::new(threads)?), threads),
+            DeviceChoice::Reference => Self::new(Box::new(Reference), threads),
+            DeviceChoice::Gpu => gpu(AdapterChoice::Any).await,
+            DeviceChoice::Index(index) => gpu(AdapterChoice::Index(index)).await,
+            DeviceChoice::Auto => match gpu(AdapterChoice::HardwareOnly).await {
                 Err(error @ (Error::NoDevice { .. } | Error::Device { .. })) => {
                     let note = format!("{}; using the native CPU path", reason(&error));
-                    Ok(Self { note: Some(note), ..Self::new(Box::new(Cpu::new(threads)?), threads) })
+                    Ok(Self { note: Some(note), ..Self::new(Box::new(Cpu::new(threads)?), threads)? })
                 }
                 opened => opened,
             },
@@ -70,13 +76,14 @@ impl Device {
         self.compute.computed_by()
     }
 
+    /// Where parallel work around the device runs.
+    pub fn pool(&self) -> &Pool {
+        &self.pool
+    }
+
     /// The CPU path, made ready when it is first needed.
-    fn cpu(&self) -> Result<Arc<Cpu>> {
-        let mut cpu = self.cpu.lock().unwrap_or_else(PoisonError::into_inner);
-        match cpu.as_ref() {
-            Some(cpu) => Ok(cpu.clone()),
-            None => Ok(cpu.insert(Arc::new(Cpu::new(self.threads)?)).clone()),
-        }
+    fn cpu(&self) -> &Cpu {
+        self.cpu.get_or_init(|| Cpu::with_pool(self.pool.clone()))
     }
 }
 
@@ -89,68 +96,71 @@ fn reason(error: &Error) -> String {
 }
 
 /// One piece of work on a device, and what its user should know of who did it.
-pub(crate) struct Work<'a> {
+pub(crate) struct Session<'a> {
     device: &'a Device,
     control: &'a Control,
     warnings: Vec<String>,
 }
 
-impl<'a> Work<'a> {
+impl<'a> Session<'a> {
     pub(crate) fn new(device: &'a Device, control: &'a Control) -> Self {
         Self { device, control, warnings: Vec::new() }
     }
 
     pub(crate) async fn pair_counts(&mut self, plan: &PairPlan, ensemble: &Ensemble) -> Result<PairCounts> {
         let control = self.control;
-        self.run(self.device.compute.supports_pair_counts(plan), |c| c.pair_counts(plan, ensemble, control))
+        self.run(Work::Pairs(plan), async |c: &dyn Compute| c.pair_counts(plan, ensemble, control).await).await
     }
 
     /// Of several ensembles, all by the same backend: their weights may be subtracted from each other.
     pub(crate) async fn all_pair_counts(&mut self, plan: &PairPlan, ensembles: &[Ensemble]) -> Result<Vec<PairCounts>> {
         let control = self.control;
-        let supported = self.device.compute.supports_pair_counts(plan);
-        self.run(supported, |c| ensembles.iter().map(|e| c.pair_counts(plan, e, control)).collect())
+        let all = async |c: &dyn Compute| {
+            let mut all = Vec::with_capacity(ensembles.len());
+            for ensemble in ensembles {
+                all.push(c.pair_counts(plan, ensemble, control).await?);
+            }
+            Ok(all)
+        };
+        self.run(Work::Pairs(plan), all).await
     }
 
     pub(crate) async fn lag_counts(&mut self, plan: &LagPlan, ensemble: &Ensemble) -> Result<LagCounts> {
         let control = self.control;
-        self.run(self.device.compute.supports_lag_counts(plan), |c| c.lag_counts(plan, ensemble, control))
+        self.run(Work::Lags(plan), async |c: &dyn Compute| c.lag_counts(plan, ensemble, control).await).await
     }
 
     pub(crate) async fn wave_power(&mut self, plan: &WavePlan, ensemble: &Ensemble) -> Result<WavePower> {
         let control = self.control;
-        self.run(self.device.compute.supports_wave_power(plan), |c| c.wave_power(plan, ensemble, control))
+        self.run(Work::Waves(plan), async |c: &dyn Compute| c.wave_power(plan, ensemble, control).await).await
     }
 
-    /// By the method of the plan. That the direct sum is not for a GPU is part of the plan: nothing to warn of.
+    /// By the method of the plan.
     pub(crate) async fn kernel_sums(&mut self, plan: &KernelPlan, ensemble: &Ensemble) -> Result<KernelSums> {
-        let control = self.control;
+        let (control, pool) = (self.control, self.device.pool());
         match plan.road {
-            KernelRoad::Binned => self.run(self.device.compute.supports_pair_counts(&plan.pairs), |c| {
-                binned_kernel::kernel_sums(c, plan, ensemble, control)
-            }),
-            KernelRoad::Direct => match self.device.compute.kernel_sums(plan, ensemble, control) {
-                Some(sums) => sums,
-                None => self.device.cpu()?.direct_kernel_sums(plan, ensemble, control),
-            },
+            KernelRoad::Binned => {
+                let binned = async |c: &dyn Compute| binned_kernel::kernel_sums(c, pool, plan, ensemble, control).await;
+                self.run(Work::Pairs(&plan.pairs), binned).await
+            }
+            KernelRoad::Direct => {
+                self.run(Work::Kernel(plan), async |c: &dyn Compute| c.kernel_sums(plan, ensemble, control).await).await
+            }
         }
     }
 
-    /// On the CPU path where the device has none, which is part of the plan.
     pub(crate) async fn wave_covariance(
         &mut self,
         plan: &CovariancePlan,
         ensemble: &Ensemble,
     ) -> Result<WaveCovariance> {
-        match self.device.compute.wave_covariance(plan, ensemble, self.control) {
-            Some(sums) => sums,
-            None => self.device.cpu()?.amplitude_products(plan, ensemble, self.control),
-        }
+        let control = self.control;
+        self.run(Work::Covariance(plan), async |c: &dyn Compute| c.wave_covariance(plan, ensemble, control).await).await
     }
 
-    /// On the CPU path, whatever the device.
     pub(crate) async fn neighbors(&mut self, plan: &NeighborPlan, ensemble: &Ensemble) -> Result<NeighborSums> {
-        neighbor_sums(plan, ensemble, self.control)
+        let control = self.control;
+        self.run(Work::Neighbors(plan), async |c: &dyn Compute| c.neighbors(plan, ensemble, control).await).await
     }
 
     /// What the user should know about who computed.
@@ -159,22 +169,21 @@ impl<'a> Work<'a> {
     }
 
     /// A batch at which the device failed has left nothing behind, so it is simply done again.
-    fn run<T>(&mut self, supported: Result<(), String>, work: impl Fn(&dyn Compute) -> Result<T>) -> Result<T> {
-        if let Some(failure) = self.device.failure.get() {
-            self.warn(failure.clone());
-            return work(self.device.cpu()?.as_ref());
-        }
-        match supported {
-            Ok(()) => match work(self.device.compute()) {
+    async fn run<T>(&mut self, what: Work<'_>, work: impl AsyncFn(&dyn Compute) -> Result<T>) -> Result<T> {
+        let device = self.device;
+        match (device.failure.get(), device.compute.supports(what)) {
+            (Some(failure), _) => self.warn(failure.clone()),
+            (None, Ok(())) => match work(device.compute()).await {
                 Err(error @ Error::Device { .. }) => {
                     let failure = format!("{error}; continued on the native CPU path");
-                    self.warn(self.device.failure.get_or_init(|| failure).clone());
+                    self.warn(device.failure.get_or_init(|| failure).clone());
                 }
                 done => return done,
             },
-            Err(why) => self.warn(format!("{why}; done on the native CPU path")),
+            (None, Err(NotHere::Because(why))) => self.warn(format!("{why}; done on the native CPU path")),
+            (None, Err(NotHere::Never)) => {}
         }
-        work(self.device.cpu()?.as_ref())
+        work(device.cpu()).await
     }
 
     fn warn(&mut self, warning: String) {

@@ -14,13 +14,16 @@ pub mod reference;
 
 pub use binned_kernel::kernel_sums as binned_kernel_sums;
 pub use device::Device;
-pub(crate) use device::Work;
+pub(crate) use device::Session;
 
-use crate::accumulate::{ComputedBy, KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use std::pin::Pin;
+
+use crate::accumulate::{ComputedBy, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
-use crate::error::Result;
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, SearchCosts, WaveCosts, WavePlan};
+use crate::error::{Error, Result};
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts, WavePlan};
 use crate::points::Ensemble;
+use crate::pool::Pool;
 
 /// The least number from `least` on that shares no divisor with `n` (or `n` itself, where that is 0 or there is none below).
 pub(crate) fn coprime_from(least: usize, n: usize) -> usize {
@@ -30,6 +33,40 @@ pub(crate) fn coprime_from(least: usize, n: usize) -> usize {
     (least..n).find(|&k| gcd(k, n) == 1).unwrap_or(n.max(1))
 }
 
+/// Sums that may have to be waited for. Not to be sent to another thread: in a browser a device stays where it was opened.
+pub type Pending<'a, T> = Pin<Box<dyn Future<Output = Result<T>> + 'a>>;
+
+/// Sums that are made as soon as somebody asks for them, and are there at once.
+pub(crate) fn at_once<'a, T: 'a>(work: impl FnOnce() -> Result<T> + 'a) -> Pending<'a, T> {
+    Box::pin(async move { work() })
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub enum Work<'a> {
+    /// `Compute::pair_counts`.
+    Pairs(&'a PairPlan),
+    /// `Compute::lag_counts`.
+    Lags(&'a LagPlan),
+    /// `Compute::wave_power`.
+    Waves(&'a WavePlan),
+    /// `Compute::kernel_sums`.
+    Kernel(&'a KernelPlan),
+    /// `Compute::wave_covariance`.
+    Covariance(&'a CovariancePlan),
+    /// `Compute::neighbors`.
+    Neighbors(&'a NeighborPlan),
+}
+
+/// Why the CPU path does something in place of a backend.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NotHere {
+    /// This backend never does it, as the plan says: nothing to be told of.
+    Never,
+    /// It does not do this one.
+    Because(String),
+}
+
 /// Raw sums over the realizations of one batch. `Error::Device` means that the device failed at it: the caller may do the
 /// batch again elsewhere (and `analysis` does, on the CPU path); every other error is final. A result is whole or an error:
 /// never a part of the sums. Sums in f64 merge only if batches start at multiples of `LEAF`; counts, being integers, always.
@@ -37,53 +74,85 @@ pub trait Compute: Send + Sync {
     /// Who computes.
     fn computed_by(&self) -> ComputedBy;
 
-    /// Whether `wave_power` keeps the plan's promise here; the CPU path takes over where not.
-    fn supports_wave_power(&self, _plan: &WavePlan) -> Result<(), String> {
-        Ok(())
+    /// Whether this is done here, with the promise of its plan kept; the CPU path takes over where not.
+    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
+        match work {
+            Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => Err(NotHere::Never),
+        }
     }
 
-    /// Whether `pair_counts` can run this plan here; the CPU path takes over where not.
-    fn supports_pair_counts(&self, _plan: &PairPlan) -> Result<(), String> {
-        Ok(())
+    /// What plans of pairs must know of it: they choose by that.
+    fn pair_device(&self) -> PairDevice {
+        PairDevice::CPU
     }
 
-    /// Whether `lag_counts` can run this plan here; the CPU path takes over where not.
-    fn supports_lag_counts(&self, _plan: &LagPlan) -> Result<(), String> {
-        Ok(())
-    }
-
-    /// What searching for pairs costs here: plans that know it choose by it.
-    fn search_costs(&self) -> SearchCosts {
-        SearchCosts::CPU
-    }
-
-    /// What the roads to a spectrum cost here.
+    /// What the ways to a spectrum cost here.
     fn wave_costs(&self) -> WaveCosts {
         WaveCosts::CPU
     }
 
+    /// The threads it works with, where it has some.
+    fn pool(&self) -> Option<&Pool> {
+        None
+    }
+
     /// Ordered pairs per bin of every realization.
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts>;
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts>;
 
     /// Ordered pairs per cell of lags of every realization.
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts>;
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts>;
 
     /// `|s_m|^2` per stored mode of every realization.
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower>;
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower>;
 
-    /// The direct kernel sum at every r of every realization; `None` where this way has none and leaves it to the CPU path.
-    fn kernel_sums(&self, _plan: &KernelPlan, _ensemble: &Ensemble, _control: &Control) -> Option<Result<KernelSums>> {
-        None
+    /// The direct kernel sum at every r of every realization.
+    fn kernel_sums<'a>(
+        &'a self,
+        _plan: &'a KernelPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, KernelSums> {
+        at_once(|| Err(never(self.computed_by(), "kernel_sums")))
     }
 
-    /// Products of the amplitudes of low frequencies of every realization; `None` where this way has none and leaves it to
-    /// the CPU path.
-    fn wave_covariance(
-        &self,
-        _plan: &CovariancePlan,
-        _ensemble: &Ensemble,
-        _control: &Control,
-    ) -> Option<Result<WaveCovariance>> {
-        None
+    /// Products of the amplitudes of low frequencies of every realization.
+    fn wave_covariance<'a>(
+        &'a self,
+        _plan: &'a CovariancePlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, WaveCovariance> {
+        at_once(|| Err(never(self.computed_by(), "wave_covariance")))
     }
+
+    /// Nearest neighbours in every realization.
+    fn neighbors<'a>(
+        &'a self,
+        _plan: &'a NeighborPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, NeighborSums> {
+        at_once(|| Err(never(self.computed_by(), "neighbors")))
+    }
+}
+
+/// The error of a backend that was asked for what it never does.
+fn never(backend: ComputedBy, what: &'static str) -> Error {
+    Error::Device { device: backend.device(), what, reason: "not done here".into() }
 }

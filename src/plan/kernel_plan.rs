@@ -108,7 +108,8 @@ impl KernelPlan {
     pub fn with_bandwidth(&self, bandwidth: f64) -> Result<Self> {
         let (kernel, pairs) = (Kernel { bandwidth, ..self.kernel }, &self.pairs);
         let settings = PairSettings { masses: pairs.masses, ..pairs.correction.into() };
-        Self::new(kernel, self.divisor, self.r.clone(), self.exact, &pairs.domain, settings, pairs.shape)
+        let new = Self::new(kernel, self.divisor, self.r.clone(), self.exact, &pairs.domain, settings, pairs.shape)?;
+        Ok(Self { pairs: new.pairs.for_device(pairs.device), ..new })
     }
 
     /// Pairs further apart than this are out of reach.

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::ring_measure::ring_measure;
-use super::{Batch, BinFilter, EnsembleShape, PairSearch, RadialBins, SearchCosts, SearchEstimate};
+use super::{Batch, BinFilter, EnsembleShape, PairDevice, PairSearch, RadialBins, SearchCosts, SearchEstimate, Tile};
 use crate::error::{Error, Result, number};
 use crate::named::named;
 use crate::points::Domain;
@@ -40,6 +40,9 @@ pub struct PairSettings {
     pub masses: bool,
 }
 
+/// The largest weight of isotropic edge correction, as in spatstat.
+pub const MAX_ISOTROPIC: f64 = 100.0;
+
 impl From<Correction> for PairSettings {
     fn from(correction: Correction) -> Self {
         Self { correction, cumulative: false, beyond_half: false, masses: false }
@@ -65,8 +68,10 @@ pub struct PairPlan {
     pub masses: bool,
     /// Which pairs are looked at: by default what suits the CPU (`PairSearch::choose`).
     pub search: PairSearch,
-    /// What that was chosen by.
-    pub costs: SearchCosts,
+    /// How a GPU takes all pairs.
+    pub tile: Tile,
+    /// The device that both were chosen for.
+    pub device: PairDevice,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -95,10 +100,24 @@ impl PairPlan {
         let bytes = shape.max_points * 72 + bins.len() as u64 * per_bin;
         let batch = Batch::new(shape.realizations, bytes);
         let beyond = thresholds[bins.len()];
-        let search = PairSearch::choose(domain, beyond, shape.mean_points, &filter, &SearchCosts::CPU);
-        let costs = SearchCosts::CPU;
+        let device = PairDevice::CPU;
+        let search = PairSearch::choose(domain, beyond, shape.mean_points, &filter, &device.costs);
+        let tile = Tile::new(shape.max_points);
         let domain = domain.clone();
-        Ok(Self { domain, bins, thresholds, filter, correction, cumulative, masses, search, costs, shape, batch })
+        Ok(Self {
+            domain,
+            bins,
+            thresholds,
+            filter,
+            correction,
+            cumulative,
+            masses,
+            search,
+            tile,
+            device,
+            shape,
+            batch,
+        })
     }
 
     /// The default `r_max`: 8 closest-packing distances, at most half the shortest side.
@@ -127,11 +146,22 @@ impl PairPlan {
         self.correction == Correction::Border
     }
 
-    /// The same with the search that suits a device with these costs.
-    pub fn with_costs(self, costs: SearchCosts) -> Self {
+    /// The same with the search that suits a device, of those it can do.
+    pub fn for_device(self, device: PairDevice) -> Self {
         let beyond = self.thresholds[self.bins.len()];
-        let search = PairSearch::choose(&self.domain, beyond, self.shape.mean_points, &self.filter, &costs);
-        Self { search, costs, ..self }
+        let search = match device.buffers {
+            Some(buffers) if buffers < self.cell_buffers() => PairSearch::All,
+            _ => PairSearch::choose(&self.domain, beyond, self.shape.mean_points, &self.filter, &device.costs),
+        };
+        Self { search, device, ..self }
+    }
+
+    /// Storage buffers that a GPU's kernels for cells need. Every device has enough for those that look at all pairs.
+    pub fn cell_buffers(&self) -> u32 {
+        // The one that counts has points twice, thresholds, histograms, jobs and tasks, and may have a table and depths; the
+        // one that sorts has 8.
+        let table = if matches!(self.filter, BinFilter::Table(_)) { 2 } else { 0 };
+        (6 + table + u32::from(self.border())).max(8)
     }
 
     /// Every search there is to choose from, as it would be on a device with these costs: per realization.
@@ -217,9 +247,12 @@ impl fmt::Display for PairPlan {
         )?;
         writeln!(f, "  exact: {filter} decides pairs clear of an edge, 128-bit integers the rest")?;
         writeln!(f, "  {}", self.batch)?;
-        let searches = self.searches(&self.costs);
+        let searches = self.searches(&self.device.costs);
         if let Some(chosen) = searches.iter().find(|s| s.search == self.search) {
-            writeln!(f, "  search on {}: {chosen} per realization", self.costs.device)?;
+            writeln!(f, "  search on {}: {chosen} per realization", self.device.costs.device)?;
+        }
+        if self.device.buffers.is_some() && self.search == PairSearch::All {
+            writeln!(f, "    in {}", self.tile)?;
         }
         for other in searches.iter().filter(|s| s.search != self.search) {
             writeln!(f, "    instead of {other}")?;

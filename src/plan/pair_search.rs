@@ -72,6 +72,20 @@ impl SearchCosts {
     };
 }
 
+/// What a plan must know of the device that is to count its pairs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairDevice {
+    /// What searches cost on it.
+    pub costs: SearchCosts,
+    /// How many storage buffers a kernel may have, on a GPU.
+    pub buffers: Option<u32>,
+}
+
+impl PairDevice {
+    /// The native path.
+    pub const CPU: Self = Self { costs: SearchCosts::CPU, buffers: None };
+}
+
 /// A search, and what it would take for one realization.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchEstimate {

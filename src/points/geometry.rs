@@ -67,3 +67,120 @@ pub fn canonical_lag(domain: &Domain, axes: &[&[u64]], i: usize, j: usize) -> [i
         _ => there,
     }
 }
+
+/// Every number here was worked out by hand.
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HALF: u64 = 1 << 63;
+
+    #[test]
+    fn distances_along_an_axis_take_the_shorter_way() {
+        // A period of 2^64: from 3 back over 0 to 2^64 - 2 is 5 steps.
+        assert_eq!(minimum_image(3, 7, 0), 4);
+        assert_eq!(minimum_image(3, u64::MAX - 1, 0), 5);
+        assert_eq!(minimum_image(u64::MAX - 1, 3, 0), 5);
+        assert_eq!(minimum_image(9, 9, 0), 0);
+        assert_eq!(minimum_image(0, HALF, 0), HALF);
+        assert_eq!(minimum_image(HALF, 0, 0), HALF);
+        assert_eq!(minimum_image(0, HALF + 1, 0), HALF - 1);
+        // A period of 10: at most 5 steps apart.
+        for (a, b, expected) in [(0, 4, 4), (0, 5, 5), (0, 6, 4), (9, 0, 1), (0, 9, 1), (8, 3, 5), (2, 2, 0)] {
+            assert_eq!(minimum_image(a, b, 10), expected, "{a}, {b}");
+            assert_eq!(minimum_image(b, a, 10), expected, "{b}, {a}");
+        }
+        // An odd one: 3 of 7 one way are 4 the other.
+        assert_eq!((minimum_image(0, 3, 7), minimum_image(0, 4, 7)), (3, 3));
+    }
+
+    #[test]
+    fn squared_distances_add_up_over_axes() {
+        let axes: [&[u64]; 3] = [&[1, 4], &[0, u64::MAX - 3], &[2, 9]];
+        // 3 steps; 4 steps over the seam of 2^64; 3 steps over the seam of 10.
+        assert_eq!(squared_distance(&axes[..1], [0; 3], 0, 1), 9);
+        assert_eq!(squared_distance(&axes[..2], [0; 3], 0, 1), 9 + 16);
+        assert_eq!(squared_distance(&axes, [0, 0, 10], 0, 1), 9 + 16 + 9);
+        assert_eq!(squared_distance(&axes, [0, 0, 10], 1, 0), 9 + 16 + 9);
+        assert_eq!(squared_distance(&axes, [0, 0, 10], 1, 1), 0);
+        // The longest there is does not overflow: 3 * 2^126.
+        let far: [&[u64]; 3] = [&[0, HALF]; 3];
+        assert_eq!(squared_distance(&far, [0; 3], 0, 1), 3 << 126);
+    }
+
+    #[test]
+    fn the_nearest_side_is_the_border() {
+        let axes: [&[u64]; 2] = [&[3, 50, 100, 90], &[20, 25, 7, 29]];
+        let sides = [100, 30, 0];
+        // Left side, upper side, on the right side, upper side again.
+        assert_eq!([0, 1, 2, 3].map(|i| border_distance(&axes, sides, i)), [3, 5, 0, 1]);
+        assert_eq!(border_distance(&axes[..1], sides, 3), 10);
+    }
+
+    #[test]
+    fn depth_counts_upper_edges_up_to_the_distance() {
+        // Edges 0, 2, 5, 9: upper edges 2, 5 and 9.
+        let thresholds = [0, 4, 25, 81];
+        let depths = [(0, 0), (1, 0), (2, 1), (4, 1), (5, 2), (8, 2), (9, 3), (u64::MAX, 3)];
+        for (distance, expected) in depths {
+            assert_eq!(depth(&thresholds, distance), expected, "{distance}");
+        }
+    }
+
+    #[test]
+    fn weights_of_points_multiply() {
+        const ONE: u32 = 1 << 24;
+        assert_eq!(weighted_pair([ONE, ONE], 1 << 32), 1 << 32);
+        // 1/2 * 1/4 * 3 = 3/8.
+        assert_eq!(weighted_pair([ONE / 2, ONE / 4], 3 << 32), 3 << 29);
+        // 2^-24 * 2^-9 * 1 is half of a step of 2^-32, which is rounded up; a step less of the second is rounded down.
+        assert_eq!(weighted_pair([1, 1 << 15], 1 << 32), 1);
+        assert_eq!(weighted_pair([1, (1 << 15) - 1], 1 << 32), 0);
+        assert_eq!(weighted_pair([0, ONE], 7 << 32), 0);
+        // 100 is the largest weight of a pair.
+        assert_eq!(weighted_pair([ONE, ONE], 100 << 32), 100 << 32);
+    }
+
+    fn lag(domain: &Domain, [a, b]: [[u64; 2]; 2]) -> [i128; 3] {
+        let axes = [[a[0], b[0]], [a[1], b[1]]];
+        let axes: Vec<&[u64]> = axes.iter().map(|axis| &axis[..]).collect();
+        let found = canonical_lag(domain, &axes, 0, 1);
+        assert_eq!(canonical_lag(domain, &axes, 1, 0), found, "a lag does not depend on the order of its points");
+        found
+    }
+
+    #[test]
+    fn of_two_lags_the_positive_one_is_taken() {
+        let torus = Domain::unit_torus(2);
+        let half = -(1i128 << 63);
+        assert_eq!(lag(&torus, [[5, 1], [2, 9]]), [3, -8, 0]);
+        // A component of 0 does not decide.
+        assert_eq!(lag(&torus, [[4, 1], [4, 9]]), [0, 8, 0]);
+        assert_eq!(lag(&torus, [[4, 9], [4, 9]]), [0, 0, 0]);
+        // Over the seam: 2 - (2^64 - 1) is 3.
+        assert_eq!(lag(&torus, [[2, 0], [u64::MAX, 1]]), [3, -1, 0]);
+        // Half a period is its own negative: it does not decide either, and is -2^63 in both.
+        assert_eq!(lag(&torus, [[HALF, 1], [0, 4]]), [half, 3, 0]);
+        assert_eq!(lag(&torus, [[HALF, 0], [0, HALF]]), [half, half, 0]);
+        assert_eq!(lag(&torus, [[7, 0], [2, HALF]]), [5, half, 0]);
+        // One step less than half of it is positive.
+        assert_eq!(lag(&torus, [[HALF - 1, 0], [0, 0]]), [i128::from(HALF) - 1, 0, 0]);
+    }
+
+    #[test]
+    fn lags_take_the_period_of_their_axis() {
+        // The second side is 1/4: a period of 2^62.
+        let torus = Domain::torus(&[1.0, 0.25]).unwrap();
+        let period = 1u64 << 62;
+        assert_eq!(torus.periods()[1], period);
+        assert_eq!(lag(&torus, [[4, 1], [4, period - 1]]), [0, 2, 0]);
+        assert_eq!(lag(&torus, [[4, period / 2], [4, 0]]), [0, -(1 << 61), 0]);
+    }
+
+    #[test]
+    fn a_window_has_plain_lags() {
+        let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+        assert_eq!(lag(&window, [[0, 3], [HALF, 1]]), [i128::from(HALF), -2, 0]);
+        assert_eq!(lag(&window, [[5, 3], [5, 1]]), [0, 2, 0]);
+    }
+}

@@ -4,13 +4,12 @@ use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::{Debug, Display};
 use std::future::Future;
-use std::pin::Pin;
 
 use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, Sums};
-use crate::compute::{Compute, Work};
+use crate::compute::{Compute, Pending, Session};
 use crate::error::Result;
 use crate::estimate::Analysis;
 use crate::plan::{Batch, Convention, EnsembleShape};
@@ -97,7 +96,7 @@ pub(crate) trait Group: Clone + PartialEq + Debug + Display + Send + Sync + 'sta
     fn suit(&mut self, _: &dyn Compute) {}
 
     /// The sums of a batch.
-    fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> impl Future<Output = Result<Self::Sums>>;
+    fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> impl Future<Output = Result<Self::Sums>>;
 
     /// Adds to what was found.
     fn estimate(&self, sums: &Self::Sums, subject: &Subject<'_>, found: &mut Analysis);
@@ -150,9 +149,6 @@ pub(crate) struct Kept<G: Group> {
     pub(crate) rebinned: bool,
 }
 
-/// What is not done yet.
-pub(crate) type Pending<'a, T> = Pin<Box<dyn Future<Output = Result<T>> + 'a>>;
-
 /// Any `Group`.
 pub(crate) trait Part: Any + Debug + Display + Send + Sync {
     fn name(&self) -> &'static str;
@@ -163,7 +159,7 @@ pub(crate) trait Part: Any + Debug + Display + Send + Sync {
     fn identity(&self) -> Value;
     fn batch(&self) -> Batch;
     fn suit(&mut self, compute: &dyn Compute);
-    fn measure<'a>(&'a self, batch: &'a Ensemble, work: &'a mut Work<'_>) -> Pending<'a, Box<dyn PartSums>>;
+    fn measure<'a>(&'a self, batch: &'a Ensemble, session: &'a mut Session<'_>) -> Pending<'a, Box<dyn PartSums>>;
     fn estimate(&self, sums: &dyn PartSums, subject: &Subject<'_>, found: &mut Analysis);
     fn warnings(&self, sums: &dyn PartSums, subject: &Subject<'_>, parts: &Parts, found: &Analysis) -> Vec<String>;
     fn effort(&self, n: u64) -> Effort;
@@ -218,8 +214,8 @@ impl<G: Group> Part for G {
         Group::suit(self, compute);
     }
 
-    fn measure<'a>(&'a self, batch: &'a Ensemble, work: &'a mut Work<'_>) -> Pending<'a, Box<dyn PartSums>> {
-        Box::pin(async { Ok(Box::new(Group::measure(self, batch, work).await?) as Box<dyn PartSums>) })
+    fn measure<'a>(&'a self, batch: &'a Ensemble, session: &'a mut Session<'_>) -> Pending<'a, Box<dyn PartSums>> {
+        Box::pin(async { Ok(Box::new(Group::measure(self, batch, session).await?) as Box<dyn PartSums>) })
     }
 
     fn estimate(&self, sums: &dyn PartSums, subject: &Subject<'_>, found: &mut Analysis) {

@@ -8,7 +8,7 @@ use super::group::{Ask, Group, Parts, Subject};
 use super::pairs::identity;
 use super::waves::Waves;
 use crate::accumulate::PsaCounts;
-use crate::compute::{Compute, Work};
+use crate::compute::{Compute, Session};
 use crate::error::Result;
 use crate::estimate::{Analysis, PsaStatistics};
 use crate::plan::{Batch, Convention, Correction, PairPlan, RadialBins};
@@ -67,14 +67,14 @@ impl Group for Psa {
     }
 
     fn suit(&mut self, compute: &dyn Compute) {
-        self.pairs = self.pairs.take().map(|pairs| pairs.with_costs(compute.search_costs()));
+        self.pairs = self.pairs.take().map(|pairs| pairs.for_device(compute.pair_device()));
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<PsaCounts> {
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PsaCounts> {
         let mut sums = PsaCounts::default();
         if let Some(pairs) = &self.pairs {
             for k in 0..batch.realizations() {
-                let counts = work.pair_counts(pairs, &batch.slice(k..k + 1)).await?.counts;
+                let counts = session.pair_counts(pairs, &batch.slice(k..k + 1)).await?.counts;
                 sums.add(batch.first_index() + k as u64, counts.into_iter().map(|c| c / 2).collect());
             }
         }

@@ -10,6 +10,11 @@ use pairwave::plan::{
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
+/// What a backend was asked for.
+pub fn wait<T>(work: impl Future<Output = T>) -> T {
+    pollster::block_on(work)
+}
+
 /// SplitMix64: enough randomness for inputs, the same on every platform.
 pub struct Rng(pub u64);
 
@@ -134,7 +139,7 @@ pub fn wave_plan(ensemble: &Ensemble, max_frequency: &[u32], accuracy: Accuracy)
 pub fn gpu_tests_skipped(test: &str) -> bool {
     use std::io::Write;
     let accepted = std::env::var("PAIRWAVE_ALLOW_NO_GPU").is_ok_and(|v| v == "1");
-    let skipped = accepted && pairwave::compute::gpu::adapters().is_empty();
+    let skipped = accepted && pollster::block_on(pairwave::compute::gpu::adapters()).is_empty();
     if skipped {
         let line = format!("{test}: SKIPPED, there is no GPU driver and PAIRWAVE_ALLOW_NO_GPU=1\n");
         std::io::stderr().write_all(line.as_bytes()).unwrap();
@@ -256,7 +261,7 @@ pub fn lag_cases(size: usize) -> Vec<LagCase> {
 
 /// The reference's lag counts for a plan.
 pub fn reference_lags(plan: &LagPlan, ensemble: &Ensemble) -> LagCounts {
-    Reference.lag_counts(plan, ensemble, &Control::default()).unwrap()
+    wait(Reference.lag_counts(plan, ensemble, &Control::default())).unwrap()
 }
 
 /// Equal integers from different hands, or what differs.
@@ -322,12 +327,12 @@ pub fn corrected_cases(size: usize) -> Vec<PairCase> {
 
 /// The reference's counts for a plan.
 pub fn reference_counts(plan: &PairPlan, ensemble: &Ensemble) -> PairCounts {
-    Reference.pair_counts(plan, ensemble, &Control::default()).unwrap()
+    wait(Reference.pair_counts(plan, ensemble, &Control::default())).unwrap()
 }
 
 /// The reference's powers for a plan.
 pub fn reference_power(plan: &WavePlan, ensemble: &Ensemble) -> WavePower {
-    Reference.wave_power(plan, ensemble, &Control::default()).unwrap()
+    wait(Reference.wave_power(plan, ensemble, &Control::default())).unwrap()
 }
 
 /// Equal integers from different hands, or what differs.

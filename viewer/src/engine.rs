@@ -192,7 +192,7 @@ impl Engine {
         if let Some(known) = self.devices.iter().find(|d| d.of == of) {
             return Ok(known.device.clone());
         }
-        let device = Arc::new(Device::open(request.device, request.threads)?);
+        let device = Arc::new(pollster::block_on(Device::open(request.device, request.threads))?);
         self.devices.push(Opened { of, device: device.clone() });
         Ok(device)
     }

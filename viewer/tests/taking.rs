@@ -120,7 +120,7 @@ fn disabled(window: &mut Window, panel: Panel) -> Vec<&'static str> {
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
     let source = Arc::new(Source::open(&request.input).unwrap());
-    let device = Device::open(request.device, request.threads).unwrap();
+    let device = pollster::block_on(Device::open(request.device, request.threads)).unwrap();
     let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
     let found = analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ()).unwrap();
     let dir = tempfile::tempdir().unwrap();

@@ -50,7 +50,7 @@ fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 /// What the command line writes.
 fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
     let source = Arc::new(Source::open(&request.input).unwrap());
-    let device = Device::open(request.device, request.threads).unwrap();
+    let device = pollster::block_on(Device::open(request.device, request.threads)).unwrap();
     let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
     files(&analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ()).unwrap())
 }

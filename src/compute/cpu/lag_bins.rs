@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use super::pair_bins::{COLUMNS, LANES};
+use super::pair_rows::{COLUMNS, LANES};
 use super::simd::SimdLevel;
 use crate::plan::{LagFilter, LagGrid};
 

@@ -7,10 +7,12 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use rayon::prelude::*;
+
 use super::Cpu;
 use super::lag_bins::Rows;
 use super::lag_bins::{self, Places};
-use super::pair_bins::{COLUMNS, LANES};
+use super::pair_rows::{COLUMNS, LANES};
 use super::simd::SimdLevel;
 use crate::accumulate::{LagCounts, PairHistogram};
 use crate::compute::Compute;
@@ -65,19 +67,16 @@ pub(super) fn lag_counts(cpu: &Cpu, plan: &LagPlan, ensemble: &Ensemble, control
         control.check()?;
         let set = Set::new(plan, ensemble, k);
         next.store(0, Ordering::Relaxed);
-        cpu.pool.scope(|scope| {
-            for tally in &mut tallies {
-                scope.spawn(|_| {
-                    while control.check().is_ok() {
-                        let block = next.fetch_add(1, Ordering::Relaxed);
-                        if block >= set.blocks() {
-                            return;
-                        }
-                        tally.count(cpu.level, plan, &places, &set, block);
-                    }
-                });
+        let count = |tally: &mut Tally| {
+            while control.check().is_ok() {
+                let block = next.fetch_add(1, Ordering::Relaxed);
+                if block >= set.blocks() {
+                    return;
+                }
+                tally.count(cpu.level, plan, &places, &set, block);
             }
-        });
+        };
+        cpu.pool.install(|| tallies.par_iter_mut().for_each(count));
         control.check()?;
         let mut whole: Option<PairHistogram> = None;
         for tally in &mut tallies {

@@ -5,13 +5,15 @@
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
+mod linear_rows;
 #[doc(hidden)]
 pub mod nufft;
-mod pair_bins;
 mod pair_counts;
+mod pair_rows;
 mod pair_weights;
 mod phase_tables;
 mod product;
+mod r2_rows;
 mod simd;
 mod tapered_power;
 mod wave_covariance;
@@ -21,86 +23,55 @@ mod wave_terms;
 
 pub use simd::{SimdLevel, fma_gflop};
 
-use super::Compute;
+use super::neighbors::neighbor_sums;
+use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
-use crate::accumulate::{KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
-use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
+use crate::error::Result;
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
-use crate::setting::Setting;
-
-/// More threads than this are a typing error.
-const MAX_THREADS: usize = 4096;
-
-/// Whether that many threads can be asked for.
-pub fn check_threads(threads: usize) -> Result<()> {
-    if (1..=MAX_THREADS).contains(&threads) {
-        return Ok(());
-    }
-    Err(Error::setting(Setting::Threads, threads, format!("expected 1 to {MAX_THREADS}")))
-}
+use crate::pool::Pool;
 
 /// The native implementation with its own pool of threads.
 #[derive(Debug)]
 pub struct Cpu {
-    pool: rayon::ThreadPool,
+    pool: Pool,
     level: SimdLevel,
     nuffts: nufft::Cache,
 }
 
 impl Cpu {
-    /// A pool of `threads` threads (as many as the machine offers if `None`), and the best SIMD the processor has.
+    /// `threads` threads (as many as the machine offers if `None`), and the best SIMD the processor has.
     pub fn new(threads: Option<usize>) -> Result<Self> {
-        Self::with_level(threads, SimdLevel::detect())
+        Ok(Self::with_pool(Pool::new(threads)?))
+    }
+
+    /// On threads that are there already.
+    pub fn with_pool(pool: Pool) -> Self {
+        Self { pool, level: SimdLevel::detect(), nuffts: nufft::Cache::default() }
     }
 
     /// The same with an instruction set chosen by hand, so that tests reach each of them. A level this processor lacks
     /// falls back to the best it has. Matrix products always use the best: `gemm` chooses for itself.
     #[doc(hidden)]
     pub fn with_level(threads: Option<usize>, level: SimdLevel) -> Result<Self> {
-        if let Some(threads) = threads {
-            check_threads(threads)?;
-        }
-        // 0 lets rayon ask the operating system.
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or(0))
-            .thread_name(|k| format!("pairwave-{k}"))
-            .build()
-            .map_err(|e| {
-                Error::setting(Setting::Threads, threads.unwrap_or(0), format!("cannot start threads: {e}"))
-            })?;
-        Ok(Self { pool, level: level.min(SimdLevel::detect()), nuffts: nufft::Cache::default() })
+        Ok(Self { level: level.min(SimdLevel::detect()), ..Self::new(threads)? })
+    }
+
+    /// The threads.
+    pub fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     /// Number of threads.
     pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.pool.threads()
     }
 
     /// The instruction set in use.
     pub fn level(&self) -> SimdLevel {
         self.level
-    }
-
-    /// Kernel sums, pair by pair.
-    pub(super) fn direct_kernel_sums(
-        &self,
-        plan: &KernelPlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Result<KernelSums> {
-        kernel_sums::kernel_sums(self, plan, ensemble, control)
-    }
-
-    /// Products of amplitudes.
-    pub(super) fn amplitude_products(
-        &self,
-        plan: &CovariancePlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Result<WaveCovariance> {
-        wave_covariance::wave_covariance(self, plan, ensemble, control)
     }
 }
 
@@ -111,31 +82,68 @@ impl Compute for Cpu {
         ComputedBy::new(Backend::Cpu, format!("cpu ({}, {threads} thread{s})", self.level.name()))
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        pair_counts::pair_counts(self, plan, ensemble, control)
+    fn pool(&self) -> Option<&Pool> {
+        Some(&self.pool)
     }
 
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        lag_counts::lag_counts(self, plan, ensemble, control)
+    fn supports(&self, _work: Work<'_>) -> Result<(), NotHere> {
+        Ok(())
     }
 
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        match plan.tapered() {
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        at_once(|| pair_counts::pair_counts(self, plan, ensemble, control))
+    }
+
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        at_once(|| lag_counts::lag_counts(self, plan, ensemble, control))
+    }
+
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        at_once(|| match plan.tapered() {
             Some(taper) => tapered_power::tapered_power(self, plan, taper, ensemble, control),
             None => wave_power::wave_power(self, plan, ensemble, control),
-        }
+        })
     }
 
-    fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
-        Some(self.direct_kernel_sums(plan, ensemble, control))
+    fn kernel_sums<'a>(
+        &'a self,
+        plan: &'a KernelPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, KernelSums> {
+        at_once(|| kernel_sums::kernel_sums(self, plan, ensemble, control))
     }
 
-    fn wave_covariance(
-        &self,
-        plan: &CovariancePlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Option<Result<WaveCovariance>> {
-        Some(self.amplitude_products(plan, ensemble, control))
+    fn wave_covariance<'a>(
+        &'a self,
+        plan: &'a CovariancePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WaveCovariance> {
+        at_once(|| wave_covariance::wave_covariance(self, plan, ensemble, control))
+    }
+
+    fn neighbors<'a>(
+        &'a self,
+        plan: &'a NeighborPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, NeighborSums> {
+        at_once(|| self.pool.install(|| neighbor_sums(plan, ensemble, control)))
     }
 }

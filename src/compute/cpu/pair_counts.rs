@@ -2,7 +2,7 @@
 //! for f32 to tell are settled by the definition in integers. Formula: see `reference`.
 //!
 //! 1. Coordinates are rounded to 32 bits. On a torus a wrapping difference read as i32 is then the minimum image.
-//! 2. `pair_bins` writes the bin of each pair of one row into a short buffer, and lists the undecided pairs.
+//! 2. `linear_rows` and `r2_rows` write the bin of each pair of one row into a short buffer, and list the undecided pairs.
 //! 3. The buffer is scattered into a histogram (of several copies, so that equal distances in a row do not wait for each
 //!    other). Computing and scattering in turns keeps both loops free of branches.
 //!
@@ -15,8 +15,10 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
-use super::pair_bins::{self, COLUMNS, LANES, Linear, Rows, Stream, by_r2};
+use super::linear_rows::{Linear, Stream, linear_histogram};
+use super::pair_rows::{COLUMNS, LANES, Rows, Undecided};
 use super::pair_weights::{PairWeights, PointData, WeightSums};
+use super::r2_rows::by_r2;
 use super::simd::SimdLevel;
 use crate::accumulate::{PairCounts, PairHistogram};
 use crate::compute::Compute;
@@ -218,7 +220,7 @@ struct Tally {
     pending: u64,
     counts: Vec<u64>,
     weights: Option<WeightSums>,
-    undecided: Vec<pair_bins::Undecided>,
+    undecided: Vec<Undecided>,
     columns: Columns,
     ranges: Vec<Range<usize>>,
 }
@@ -336,7 +338,7 @@ impl Tally {
         }
         match filter {
             Filter::Linear(linear) => {
-                if pair_bins::linear_histogram(level, &job, linear, stream, short, undecided) {
+                if linear_histogram(level, &job, linear, stream, short, undecided) {
                     for pair in undecided.iter_mut() {
                         // Counting may be yet to come; the sum is right all the same.
                         let count = &mut short[pair.place as usize];

@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
-use crate::compute::reference;
-use crate::plan::{Correction, PairPlan};
+use crate::plan::{Correction, MAX_ISOTROPIC, PairPlan};
 use crate::points::UNIT_MASS;
 use crate::points::geometry;
 
@@ -114,7 +113,7 @@ impl<'a> PairWeights<'a> {
                 inside += (FRAC_PI_2 - x - y).max(0.0);
             }
         }
-        ((TAU / inside).min(reference::MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
+        ((TAU / inside).min(MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
     }
 }
 

@@ -1,13 +1,12 @@
-//! Tapered spectra: every taper is a spectrum of weighted points.
+//! Tapered spectra: every taper is a spectrum of weighted points. Formula: see `reference`.
 
 use super::Cpu;
 use super::wave_power::amplitudes;
 use crate::accumulate::WavePower;
 use crate::compute::Compute;
-use crate::compute::reference::tapered_power::tapered_power as of_one;
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{TaperPlan, WavePlan};
+use crate::plan::{Debias, TaperPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// One realization after the other, each by all threads.
@@ -18,14 +17,37 @@ pub(super) fn tapered_power(
     ensemble: &Ensemble,
     control: &Control,
 ) -> Result<WavePower> {
+    let dim = plan.waves.dim();
+    let tapers = taper.all(dim);
     let mut sums = WavePower::new(cpu.computed_by(), plan.waves.len(), &plan.rings);
+    let mut of_taper = vec![[0.0; 2]; plan.waves.len()];
     for k in 0..ensemble.realizations() {
-        let axes = ensemble.fractions(k);
-        let power = of_one(taper, &plan.waves, &axes, ensemble.weights(k), |weights| {
-            let mut out = vec![[0.0; 2]; plan.waves.len()];
-            amplitudes(cpu, &plan.waves, &axes, Some(weights), &mut out, control)?;
-            Ok(out)
-        })?;
+        let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+        // s_0 without a taper, which is what the transform of the window is multiplied with.
+        let total: f64 = weights.map_or(ensemble.points_in(k) as f64, |w| w.iter().sum());
+        let mut power = vec![0.0; plan.waves.len()];
+        for &orders in &tapers {
+            let mut tapered: Vec<f64> = (0..ensemble.points_in(k)).map(|j| taper.value(orders, &axes, j)).collect();
+            if let Some(weights) = weights {
+                tapered.iter_mut().zip(weights).for_each(|(t, w)| *t *= w);
+            }
+            amplitudes(cpu, &plan.waves, &axes, Some(&tapered), &mut of_taper, control)?;
+            let mean = |m: usize| taper.transform(orders, plan.waves.vector(m), dim).map(|f| total * f);
+            let modes = power.iter_mut().zip(&of_taper).enumerate();
+            match taper.debias {
+                Debias::None => modes.for_each(|(_, (q, [re, im]))| *q += re * re + im * im),
+                Debias::Direct => modes.for_each(|(m, (q, [re, im]))| {
+                    let [mean_re, mean_im] = mean(m);
+                    *q += (re - mean_re).powi(2) + (im - mean_im).powi(2);
+                }),
+                Debias::Undirect => modes.for_each(|(m, (q, [re, im]))| {
+                    let [mean_re, mean_im] = mean(m);
+                    *q += re * re + im * im - mean_re * mean_re - mean_im * mean_im;
+                }),
+            }
+        }
+        let count = tapers.len() as f64;
+        power.iter_mut().for_each(|q| *q /= count);
         sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
     }
     sums.close_leaf();

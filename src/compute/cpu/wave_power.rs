@@ -7,8 +7,6 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rayon::ThreadPool;
-
 use super::Cpu;
 use super::nufft::{self, Nufft};
 use super::wave_product::{self, Product};
@@ -21,6 +19,7 @@ use crate::error::Result;
 use crate::plan::LEAF;
 use crate::plan::{MEMORY_BUDGET, WavePlan, WaveRoad, WaveVectors};
 use crate::points::Ensemble;
+use crate::pool::Pool;
 
 /// The points of a realization: per axis, fractions of the side in steps of 2^-64.
 pub(super) struct Points<'a> {
@@ -135,7 +134,7 @@ impl<'a> AnyRoad<'a> {
         &self,
         points: &Points<'_>,
         scratch: &mut Scratch,
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
         control: &Control,
         power: &mut [f64],
     ) -> Result<()> {
@@ -190,7 +189,7 @@ pub(super) fn amplitudes(
 }
 
 fn fill<R: Road>(cpu: &Cpu, road: &R, points: &Points<'_>, out: &mut [[f64; 2]], control: &Control) -> Result<()> {
-    if cpu.pool.current_thread_index().is_some() || road.parts() == 1 {
+    if cpu.pool.is_within() || road.parts() == 1 {
         let mut scratch = R::Scratch::default();
         return (0..road.parts()).try_for_each(|p| road.sum(p, points, &mut scratch, control, |at, s| out[at] = s));
     }

@@ -1,10 +1,8 @@
 //! Buffers that live as long as one call: upload, scratch, read back.
 
-use std::sync::mpsc;
-
 use bytemuck::Pod;
 
-use super::device::{Gpu, TIMEOUT};
+use super::device::{Gpu, Waiting};
 use crate::error::Result;
 
 /// What scratch memory holds before a kernel writes to it.
@@ -78,33 +76,28 @@ impl Gpu {
         let staging = self.buffer("read_back", bytes, wgpu::BufferUsages::MAP_READ);
         encoder.copy_buffer_to_buffer(source, 0, &staging, 0, bytes);
         let submission = self.queue.submit([encoder.finish()]);
-        let (sender, answer) = mpsc::channel();
-        // The receiver may be gone after a timeout; then nobody is interested.
-        staging.map_async(wgpu::MapMode::Read, 0..bytes, move |result| drop(sender.send(result)));
-        ReadBack { what, staging, bytes, submission, answer }
+        let (mapped, answer) = Waiting::of(submission);
+        staging.map_async(wgpu::MapMode::Read, 0..bytes, answer);
+        ReadBack { what, staging, bytes, mapped }
     }
 
     /// Waits for a submission and returns what it read.
-    pub(super) fn finish<T: Pod>(&self, read: ReadBack) -> Result<Vec<T>> {
+    pub(super) async fn finish<T: Pod>(&self, read: ReadBack) -> Result<Vec<T>> {
         let what = read.what;
-        self.wait(what, read.submission)?;
-        // The submission is done, but where threads share the device another one's poll may have taken the answer along and
-        // be about to deliver it.
-        let answer = read.answer.recv_timeout(TIMEOUT).map_err(|_| self.error(what, "the device did not answer"))?;
-        answer.map_err(|e| self.error(what, e))?;
+        self.wait(what, read.mapped).await?.map_err(|e| self.error(what, e))?;
         let view = read.staging.get_mapped_range(0..read.bytes).map_err(|e| self.error(what, e))?;
         Ok(bytemuck::pod_collect_to_vec(&view))
     }
 
     /// Submits, waits and reads in one go.
-    pub(super) fn read_back<T: Pod>(
+    pub(super) async fn read_back<T: Pod>(
         &self,
         what: &'static str,
         encoder: wgpu::CommandEncoder,
         source: &wgpu::Buffer,
         len: usize,
     ) -> Result<Vec<T>> {
-        self.finish(self.submit_and_read::<T>(what, encoder, source, len))
+        self.finish(self.submit_and_read::<T>(what, encoder, source, len)).await
     }
 }
 
@@ -113,6 +106,5 @@ pub(super) struct ReadBack {
     what: &'static str,
     staging: wgpu::Buffer,
     bytes: u64,
-    submission: wgpu::SubmissionIndex,
-    answer: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
+    mapped: Waiting<Result<(), wgpu::BufferAsyncError>>,
 }

@@ -3,10 +3,15 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use super::answer::Answer;
 use crate::error::{Error, Result};
 
-/// Vulkan, Metal and Direct3D 12. Never GL: its software adapters hide that no Vulkan driver was found.
-const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+/// Vulkan, Metal and Direct3D 12; WebGPU, which is there in a browser only. Never GL: its software adapters hide that no
+/// Vulkan driver was found.
+const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN
+    .union(wgpu::Backends::METAL)
+    .union(wgpu::Backends::DX12)
+    .union(wgpu::Backends::BROWSER_WEBGPU);
 
 /// One adapter, in words.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -15,7 +20,7 @@ pub struct AdapterSummary {
     pub index: usize,
     /// What it calls itself.
     pub name: String,
-    /// `Vulkan`, `Metal` or `Dx12`.
+    /// `Vulkan`, `Metal`, `Dx12` or `BrowserWebGpu`.
     pub backend: String,
     /// `DiscreteGpu`, `IntegratedGpu`, `VirtualGpu`, `Cpu` or `Other`.
     pub device_type: String,
@@ -58,15 +63,15 @@ impl AdapterChoice {
 }
 
 /// All adapters of this machine, in the order of their indices. Empty where there is no driver.
-pub fn adapters() -> Vec<AdapterSummary> {
-    enumerate().into_iter().map(|(summary, _)| summary).collect()
+pub async fn adapters() -> Vec<AdapterSummary> {
+    enumerate().await.into_iter().map(|(summary, _)| summary).collect()
 }
 
-fn enumerate() -> Vec<(AdapterSummary, wgpu::Adapter)> {
+async fn enumerate() -> Vec<(AdapterSummary, wgpu::Adapter)> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = BACKENDS;
     let instance = wgpu::Instance::new(descriptor);
-    let found = pollster::block_on(instance.enumerate_adapters(BACKENDS));
+    let found = instance.enumerate_adapters(BACKENDS).await;
     found.into_iter().enumerate().map(|(index, adapter)| (summary(index, &adapter), adapter)).collect()
 }
 
@@ -85,8 +90,8 @@ fn summary(index: usize, adapter: &wgpu::Adapter) -> AdapterSummary {
 }
 
 /// The adapters that answer a choice, best first; an error that says what there is where none does.
-pub(super) fn candidates(choice: AdapterChoice) -> Result<Vec<(AdapterSummary, wgpu::Adapter)>> {
-    let mut found = enumerate();
+pub(super) async fn candidates(choice: AdapterChoice) -> Result<Vec<(AdapterSummary, wgpu::Adapter)>> {
+    let mut found = enumerate().await;
     let list = found.iter().map(|(s, _)| format!("{}: {s}", s.index)).collect::<Vec<_>>().join("; ");
     match choice {
         AdapterChoice::Index(i) => found.retain(|(s, _)| s.index == i),
@@ -118,6 +123,27 @@ pub(super) fn refused(choice: AdapterChoice, failures: &[String]) -> Error {
 /// Longest wait for one submission. The work of each is bounded to about a second on slow hardware.
 pub(super) const TIMEOUT: Duration = Duration::from_secs(300);
 
+/// A submission whose end the device will tell of.
+pub(super) struct Waiting<T> {
+    #[cfg(not(target_arch = "wasm32"))]
+    submission: wgpu::SubmissionIndex,
+    answer: Answer<T>,
+}
+
+impl<T: Send + 'static> Waiting<T> {
+    /// Of a submission, and what the device is to call at its end.
+    pub(super) fn of(_submission: wgpu::SubmissionIndex) -> (Self, impl FnOnce(T) + Send + 'static) {
+        let answer = Answer::default();
+        let given = answer.clone();
+        let waiting = Self {
+            #[cfg(not(target_arch = "wasm32"))]
+            submission: _submission,
+            answer,
+        };
+        (waiting, move |value| given.give(value))
+    }
+}
+
 /// What went wrong outside of any error scope.
 #[derive(Debug, Default)]
 struct Faults {
@@ -141,7 +167,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    pub(super) fn open(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
+    pub(super) async fn open(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
         // All the adapter has: the size of one binding decides which point sets fit.
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
@@ -153,7 +179,7 @@ impl Gpu {
             memory_hints: wgpu::MemoryHints::Performance,
             trace: wgpu::Trace::Off,
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| Error::Device {
+        let (device, queue) = adapter.request_device(&descriptor).await.map_err(|e| Error::Device {
             device: summary.to_string(),
             what: "open",
             reason: e.to_string(),
@@ -193,15 +219,15 @@ impl Gpu {
     }
 
     /// Runs `work`, and turns whatever the device has to say about it into an error that names `what`.
-    pub(super) fn guarded<T>(&self, what: &'static str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    pub(super) async fn guarded<T>(&self, what: &'static str, work: impl AsyncFnOnce() -> Result<T>) -> Result<T> {
         self.check(what)?;
         let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
-        let result = work();
+        let result = work().await;
         // Scopes are a stack: the last one pushed is the first to go.
         let mut reason = None;
         for scope in scopes.into_iter().rev() {
-            reason = pollster::block_on(scope.pop()).or(reason);
+            reason = scope.pop().await.or(reason);
         }
         if matches!(result, Err(Error::Cancelled)) {
             return result;
@@ -213,10 +239,29 @@ impl Gpu {
         }
     }
 
-    /// Submits and waits until it is done.
-    pub(super) fn wait(&self, what: &'static str, submission: wgpu::SubmissionIndex) -> Result<()> {
-        let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(TIMEOUT) };
-        self.device.poll(wait).map(|_| ()).map_err(|e| self.error(what, e))
+    /// Submits what `encoder` holds, whose end can be waited for.
+    pub(super) fn submit(&self, encoder: wgpu::CommandEncoder) -> Waiting<()> {
+        let (waiting, answer) = Waiting::of(self.queue.submit([encoder.finish()]));
+        self.queue.on_submitted_work_done(move || answer(()));
+        waiting
+    }
+
+    /// What the device answers.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) async fn wait<T>(&self, what: &'static str, waiting: Waiting<T>) -> Result<T> {
+        // Drivers call nobody back: the device has to be asked, and answers while it is. So this blocks where it waits.
+        let wait = wgpu::PollType::Wait { submission_index: Some(waiting.submission), timeout: Some(TIMEOUT) };
+        self.device.poll(wait).map_err(|e| self.error(what, e))?;
+        // The submission is done, but where threads share the device another one's poll may have taken the answer along and
+        // be about to deliver it.
+        waiting.answer.within(TIMEOUT).ok_or_else(|| self.error(what, "the device did not answer"))
+    }
+
+    /// What the device answers.
+    #[cfg(target_arch = "wasm32")]
+    pub(super) async fn wait<T>(&self, _what: &'static str, waiting: Waiting<T>) -> Result<T> {
+        // A browser answers once it has control again.
+        Ok(waiting.answer.await)
     }
 
     /// For tests: what a driver reset does.

@@ -115,14 +115,14 @@ pub struct Kernel {
 
 impl Kernel {
     /// Checks and compiles.
-    pub fn new(gpu: &Gpu, spec: KernelSpec) -> Result<Self> {
+    pub async fn new(gpu: &Gpu, spec: KernelSpec) -> Result<Self> {
         let name = spec.name;
         let bytes = spec.workgroup_bytes().map_err(|reason| gpu.error(name, reason))?;
         let limit = gpu.limits.max_compute_workgroup_storage_size;
         if bytes > limit {
             return Err(gpu.error(name, format!("needs {bytes} bytes of workgroup memory, the device has {limit}")));
         }
-        gpu.guarded(name, || {
+        gpu.guarded(name, async || {
             let entries: Vec<_> = spec.bindings.iter().map(layout_entry).collect();
             let layout = gpu
                 .device
@@ -150,6 +150,7 @@ impl Kernel {
             });
             Ok(Self { spec, layout, pipeline })
         })
+        .await
     }
 
     /// What it is made of.

@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use super::kernel::{self, KernelSpec};
-use super::pair_counts::Points;
 use super::pair_jobs::dispatches;
+use super::pair_run::Points;
 use super::pair_specs::fits;
 use super::params::{LAG_COUNTS, LagParams};
 use super::{GpuCompute, Tuning};
@@ -86,7 +86,7 @@ fn params(plan: &LagPlan) -> (LagParams, Vec<[u32; 2]>) {
     (params, thresholds)
 }
 
-pub(super) fn lag_counts(
+pub(super) async fn lag_counts(
     compute: &GpuCompute,
     plan: &LagPlan,
     ensemble: &Ensemble,
@@ -101,7 +101,7 @@ pub(super) fn lag_counts(
     let largest = sizes.iter().copied().max().unwrap_or(0);
     fits(largest as u64, dim, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
 
-    let kernel = compute.kernel(spec(plan, gpu.limits.max_compute_workgroup_storage_size))?;
+    let kernel = compute.kernel(spec(plan, gpu.limits.max_compute_workgroup_storage_size)).await?;
     let buffer_bytes = tuning.buffer_bytes.min(binding_bytes);
     let point_cap = (buffer_bytes / (8 * dim as u64)) as usize;
     let histogram_cap = (buffer_bytes / (4 * cells as u64)).max(1) as usize;
@@ -118,7 +118,7 @@ pub(super) fn lag_counts(
     };
     let mut under_way = None;
     let mut held: Option<(Range<usize>, Points)> = None;
-    gpu.guarded(NAME, || {
+    gpu.guarded(NAME, async || {
         let thresholds = gpu.upload("thresholds", &thresholds, tuning.fill);
         for dispatch in &work {
             control.check()?;
@@ -141,14 +141,15 @@ pub(super) fn lag_counts(
             let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
             // One submission ahead: the device has work while the host adds up.
             if let Some((range, read)) = under_way.replace((range, read)) {
-                collect(range, gpu.finish(read)?);
+                collect(range, gpu.finish(read).await?);
             }
         }
         if let Some((range, read)) = under_way {
-            collect(range, gpu.finish(read)?);
+            collect(range, gpu.finish(read).await?);
         }
         Ok(())
-    })?;
+    })
+    .await?;
 
     let mut sums = LagCounts::new(compute.computed_by(), plan);
     for (k, &n) in sizes.iter().enumerate() {

@@ -4,6 +4,7 @@
 //! Three layers from a call to the device: `GpuCompute::pair_counts` cuts the work into dispatches, `Kernel` binds and
 //! dispatches one, wgpu does it. Kernels are made once and reused; buffers live as long as one call.
 
+mod answer;
 mod buffers;
 mod device;
 mod kernel;
@@ -11,11 +12,13 @@ mod lag_counts;
 mod pair_cells;
 mod pair_counts;
 mod pair_jobs;
+mod pair_run;
 mod pair_specs;
 mod pair_sums;
 pub mod params;
 mod probe;
 mod wave_power;
+mod wave_specs;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -24,12 +27,12 @@ pub use device::{AdapterChoice, AdapterSummary, Gpu, adapters};
 pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
 pub use probe::{Check, Verdict};
 
-use super::Compute;
+use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{Accuracy, LagPlan, PairPlan, PairSearch, SearchCosts, WaveCosts, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, LagPlan, PairDevice, PairPlan, SearchCosts, WaveCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -47,8 +50,6 @@ pub struct Tuning {
     pub buffer_bytes: u64,
     /// What scratch memory holds at first.
     pub fill: Fill,
-    /// Which pairs are looked at; `None` for what is faster by estimate.
-    pub search: Option<PairSearch>,
 }
 
 impl Tuning {
@@ -59,7 +60,6 @@ impl Tuning {
             fma_per_dispatch: if software { 1 << 29 } else { 1 << 36 },
             buffer_bytes: if software { 64 << 20 } else { 256 << 20 },
             fill: Fill::Zero,
-            search: None,
         }
     }
 }
@@ -79,10 +79,10 @@ const KERNELS_KEPT: usize = 32;
 impl GpuCompute {
     /// Opens an adapter and runs the self-check on it. An adapter that fails is passed over; `Err(NoDevice)` says what
     /// failed where none is left.
-    pub fn open(choice: AdapterChoice) -> Result<Self> {
+    pub async fn open(choice: AdapterChoice) -> Result<Self> {
         let mut failures = Vec::new();
-        for (summary, adapter) in device::candidates(choice)? {
-            match Self::checked(summary.clone(), &adapter) {
+        for (summary, adapter) in device::candidates(choice).await? {
+            match Self::checked(summary.clone(), &adapter).await {
                 Ok(compute) if compute.verdict.passed() => return Ok(compute),
                 Ok(compute) => {
                     failures.push(format!("{summary} failed its self-check: {}", compute.verdict.failures()))
@@ -93,11 +93,11 @@ impl GpuCompute {
         Err(device::refused(choice, &failures))
     }
 
-    fn checked(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
+    async fn checked(summary: AdapterSummary, adapter: &wgpu::Adapter) -> Result<Self> {
         let tuning = Tuning::new(summary.software);
-        let gpu = Gpu::open(summary, adapter)?;
+        let gpu = Gpu::open(summary, adapter).await?;
         let mut compute = Self { gpu, kernels: Mutex::default(), tuning, verdict: Verdict::default() };
-        compute.verdict = probe::check(&compute);
+        compute.verdict = probe::check(&compute).await;
         Ok(compute)
     }
 
@@ -119,13 +119,15 @@ impl GpuCompute {
     }
 
     /// The kernel, made if it was not yet.
-    fn kernel(&self, spec: KernelSpec) -> Result<Arc<Kernel>> {
+    async fn kernel(&self, spec: KernelSpec) -> Result<Arc<Kernel>> {
         // A kernel is added whole or not at all, so the list is good even if another thread panicked.
-        let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = kernels.iter().find(|k| *k.spec() == spec) {
-            return Ok(Arc::clone(kernel));
+        let kernels = || self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kernels().iter().find(|k| *k.spec() == spec).map(Arc::clone);
+        if let Some(kernel) = known {
+            return Ok(kernel);
         }
-        let kernel = Arc::new(Kernel::new(&self.gpu, spec)?);
+        let kernel = Arc::new(Kernel::new(&self.gpu, spec).await?);
+        let mut kernels = kernels();
         if kernels.len() >= KERNELS_KEPT {
             kernels.remove(0);
         }
@@ -158,7 +160,8 @@ pub fn lag_kernel(plan: &LagPlan, workgroup_bytes: u32) -> KernelSpec {
 
 /// The kernels that compute the power on a grid, of points with or without weights.
 pub fn wave_kernels(grid: &WaveGrid, accuracy: Accuracy, weighted: bool) -> [KernelSpec; 2] {
-    [wave_power::spec(grid, accuracy, weighted), wave_power::fold_spec(grid, accuracy)]
+    let blocks = wave_specs::Blocks::new(grid);
+    [wave_specs::product(&blocks, grid, accuracy, weighted), wave_specs::fold(&blocks, accuracy)]
 }
 
 /// The kernel of the self-check.
@@ -171,39 +174,52 @@ impl Compute for GpuCompute {
         ComputedBy::new(Backend::Gpu, self.gpu.summary().to_string())
     }
 
-    fn supports_wave_power(&self, plan: &WavePlan) -> Result<(), String> {
-        if plan.tapered().is_some() {
-            return Err("no GPU kernel for tapered spectra".into());
-        }
-        wave_power::supports(plan, self.verdict.f64(), self.gpu.limits.max_storage_buffer_binding_size)
+    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
+        let binding_bytes = self.gpu.limits.max_storage_buffer_binding_size;
+        let done = match work {
+            Work::Pairs(plan) => pair_specs::supports(plan, &self.gpu.limits),
+            Work::Lags(plan) => lag_counts::supports(plan, binding_bytes),
+            Work::Waves(plan) => wave_specs::supports(plan, self.verdict.f64(), binding_bytes),
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => return Err(NotHere::Never),
+        };
+        done.map_err(NotHere::Because)
     }
 
-    fn search_costs(&self) -> SearchCosts {
-        SearchCosts::GPU
+    fn pair_device(&self) -> PairDevice {
+        PairDevice { costs: SearchCosts::GPU, buffers: Some(self.gpu.limits.max_storage_buffers_per_shader_stage) }
     }
 
     fn wave_costs(&self) -> WaveCosts {
         WaveCosts::GPU
     }
 
-    fn supports_pair_counts(&self, plan: &PairPlan) -> Result<(), String> {
-        pair_specs::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        Box::pin(pair_counts::pair_counts(self, plan, ensemble, control))
     }
 
-    fn supports_lag_counts(&self, plan: &LagPlan) -> Result<(), String> {
-        lag_counts::supports(plan, self.gpu.limits.max_storage_buffer_binding_size)
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        Box::pin(lag_counts::lag_counts(self, plan, ensemble, control))
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        pair_counts::pair_counts(self, plan, ensemble, control)
-    }
-
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        lag_counts::lag_counts(self, plan, ensemble, control)
-    }
-
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        self.supports_wave_power(plan).map_err(|reason| self.gpu.error("wave_power", reason))?;
-        wave_power::wave_power(self, plan, ensemble, control)
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        match self.supports(Work::Waves(plan)) {
+            Err(NotHere::Because(reason)) => at_once(move || Err(self.gpu.error("wave_power", reason))),
+            _ => Box::pin(wave_power::wave_power(self, plan, ensemble, control)),
+        }
     }
 }

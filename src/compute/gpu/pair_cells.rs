@@ -5,12 +5,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::kernel::Kernel;
-use super::pair_counts::{Caps, Points, Run, Tables};
+use super::pair_run::{Caps, Points, Run, Tables};
 use super::params::{CellJob, CellPairJob, CellPairTask, CellParams};
 use super::{MAX_GROUPS, pair_specs};
 use crate::compute::cells::Neighbourhood;
 use crate::error::Result;
-use crate::plan::CellGrid;
+use crate::plan::{CellGrid, Tile};
 
 const NAME: &str = "pair_counts_cells";
 /// Points per workgroup of the sort, at least.
@@ -25,19 +25,20 @@ const JOB_PAIRS: u64 = 1 << 14;
 const JOBS_WANTED: u64 = 8192;
 
 /// Counts all realizations.
-pub(super) fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
+pub(super) async fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
     let compute = run.compute;
     let gpu = compute.gpu();
     let caps = run.caps();
     let near = Neighbourhood::new(run.plan);
-    let kernel = compute.kernel(pair_specs::cell_pairs(run.plan, gpu.limits.max_compute_workgroup_storage_size))?;
-    let sort = Sort::new(run, grid)?;
+    let kernel =
+        compute.kernel(pair_specs::cell_pairs(run.plan, gpu.limits.max_compute_workgroup_storage_size)).await?;
+    let sort = Sort::new(run, grid).await?;
     let cells = grid.len();
-    gpu.guarded(NAME, || {
+    gpu.guarded(NAME, async || {
         let tables = Tables::upload(compute, run.plan);
         for group in groups(&run.sizes, &caps, cells) {
             run.control.check()?;
-            let (points, starts) = sort.sorted(run, &group)?;
+            let (points, starts) = sort.sorted(run, &group).await?;
             let sets = starts.windows(cells + 1).step_by(cells);
             let tasks: Vec<Vec<CellPairTask>> = sets.map(|starts| tasks(&near, starts)).collect();
             for (tasks, jobs) in
@@ -47,11 +48,12 @@ pub(super) fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
                 let groups = jobs.len() as u32;
                 let jobs = gpu.upload("jobs", &jobs, compute.tuning.fill);
                 let tasks = gpu.upload("tasks", &tasks, compute.tuning.fill);
-                run.submit(&kernel, &tables, group.clone(), &points, &[&jobs, &tasks], groups)?;
+                run.submit(&kernel, &tables, group.clone(), &points, &[&jobs, &tasks], groups).await?;
             }
         }
-        run.finish()
+        run.finish().await
     })
+    .await
 }
 
 /// Realizations that go together: as many as the buffers hold, at least one.
@@ -81,7 +83,7 @@ struct Sort {
 }
 
 impl Sort {
-    fn new(run: &Run<'_>, grid: CellGrid) -> Result<Self> {
+    async fn new(run: &Run<'_>, grid: CellGrid) -> Result<Self> {
         let [count, scatter] = pair_specs::sort(run.plan);
         let mut params = CellParams::default();
         let mut stride = 1;
@@ -95,12 +97,12 @@ impl Sort {
             params.stride[axis] = stride;
             stride *= grid.cells[axis];
         }
-        let (count, scatter) = (run.compute.kernel(count)?, run.compute.kernel(scatter)?);
+        let (count, scatter) = (run.compute.kernel(count).await?, run.compute.kernel(scatter).await?);
         Ok(Self { count, scatter, params, cells: grid.len() })
     }
 
     /// The points of a group in the order of realizations and cells, and where each cell begins; one entry more at the end.
-    fn sorted(&self, run: &Run<'_>, group: &Range<usize>) -> Result<(Points, Vec<u32>)> {
+    async fn sorted(&self, run: &Run<'_>, group: &Range<usize>) -> Result<(Points, Vec<u32>)> {
         let (gpu, fill) = (run.compute.gpu(), run.compute.tuning.fill);
         let total: usize = run.sizes[group.clone()].iter().sum();
         let piece = SORT_POINTS.max(total / (MAX_GROUPS as usize / 2));
@@ -126,7 +128,7 @@ impl Sort {
             let buffers = [&params, &buffer, &points.exact, &places, &counts];
             self.count.dispatch(gpu, &mut encoder, &buffers, jobs.len() as u32);
         }
-        let counts: Vec<u32> = gpu.read_back(NAME, encoder, &counts, cells)?;
+        let counts: Vec<u32> = gpu.read_back(NAME, encoder, &counts, cells).await?;
         let mut starts = Vec::with_capacity(cells + 1);
         starts.push(0);
         starts.extend(counts.iter().scan(0, |sum, count| {
@@ -163,19 +165,19 @@ impl Sort {
 
 /// The tasks of a realization whose cells begin at `starts`: every pair of points that partners make, once.
 fn tasks(near: &Neighbourhood, starts: &[u32]) -> Vec<CellPairTask> {
-    let most = (pair_specs::POINTS_PER_LANE * pair_specs::CELL_LANES) as usize;
+    let most = (Tile::POINTS_PER_LANE * pair_specs::CELL_LANES) as usize;
     let (mut tasks, mut ranges) = (Vec::new(), Vec::new());
     for (cell, bounds) in starts.windows(2).enumerate() {
         let (start, end) = (bounds[0] as usize, bounds[1] as usize);
         for first in (start..end).step_by(most) {
             let rows = first..end.min(first + most);
-            let lane_bits = rows.len().div_ceil(pair_specs::POINTS_PER_LANE as usize).next_power_of_two().ilog2();
+            let lane_bits = rows.len().div_ceil(Tile::POINTS_PER_LANE as usize).next_power_of_two().ilog2();
             near.partners(starts, cell, &rows, &mut ranges);
             if let Some(own) = ranges.first_mut() {
                 // The first row is nobody's partner.
                 own.start += 1;
             }
-            let columns = (TASK_PAIRS / u64::from(pair_specs::POINTS_PER_LANE << lane_bits)) as usize;
+            let columns = (TASK_PAIRS / u64::from(Tile::POINTS_PER_LANE << lane_bits)) as usize;
             for range in &ranges {
                 tasks.extend(range.clone().step_by(columns).map(|column| CellPairTask {
                     first_row: rows.start as u32,
@@ -192,7 +194,7 @@ fn tasks(near: &Neighbourhood, starts: &[u32]) -> Vec<CellPairTask> {
 
 /// Pairs that a task keeps the device busy with, those of lanes without a row included.
 fn pairs_of(task: &CellPairTask) -> u64 {
-    u64::from(pair_specs::POINTS_PER_LANE << task.lane_bits) * u64::from(task.end - task.first)
+    u64::from(Tile::POINTS_PER_LANE << task.lane_bits) * u64::from(task.end - task.first)
 }
 
 /// Cuts the tasks of realizations into jobs, and those into dispatches of at most `pairs` pairs (or one task, where that is

@@ -1,249 +1,60 @@
-//! Pair counts on the GPU: which kernel, which dispatches, and how its histograms become `PairCounts`. See the reference
-//! for the definition and `shaders/pair_counts.wgsl` for the work itself.
+//! Pair counts on the GPU: which kernel, which dispatches. See the reference for the definition and
+//! `shaders/pair_counts.wgsl` for the work itself.
 
 use std::ops::Range;
 
-use super::buffers::ReadBack;
-use super::kernel::Kernel;
 use super::pair_jobs::dispatches;
-use super::pair_sums::{Sums, depths};
-use super::params::PairParams;
+use super::pair_run::{NAME, Points, Run, Tables};
 use super::{GpuCompute, pair_cells, pair_specs};
 use crate::accumulate::PairCounts;
-use crate::compute::Compute;
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{BinFilter, PairPlan, PairSearch, SearchCosts};
-use crate::points::{Ensemble, round32};
+use crate::plan::{PairPlan, PairSearch};
+use crate::points::Ensemble;
 
-pub(super) const NAME: &str = "pair_counts";
-
-/// Which pairs are looked at on this device.
-fn search(compute: &GpuCompute, plan: &PairPlan) -> PairSearch {
-    let chosen =
-        || if plan.costs == SearchCosts::GPU { plan.search } else { plan.clone().with_costs(SearchCosts::GPU).search };
-    let search = compute.tuning.search.unwrap_or_else(chosen);
-    // Every device has buffers enough to look at all pairs; for cells there are some more.
-    let bindings = pair_specs::cell_pairs(plan, u32::MAX).bindings.len() as u32 - 1;
-    if bindings > compute.gpu().limits.max_storage_buffers_per_shader_stage { PairSearch::All } else { search }
-}
-
-pub(super) fn pair_counts(
+pub(super) async fn pair_counts(
     compute: &GpuCompute,
     plan: &PairPlan,
     ensemble: &Ensemble,
     control: &Control,
 ) -> Result<PairCounts> {
     let gpu = compute.gpu();
-    let binding_bytes = gpu.limits.max_storage_buffer_binding_size;
-    let sizes: Vec<usize> = (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).collect();
-    pair_specs::supports(plan, binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
-    let largest = sizes.iter().copied().max().unwrap_or(0);
-    pair_specs::fits(largest as u64, plan.domain.dim(), binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
+    let largest = (0..ensemble.realizations()).map(|k| ensemble.points_in(k)).max().unwrap_or(0) as u64;
+    pair_specs::supports(plan, &gpu.limits)
+        .and_then(|()| pair_specs::fits(largest, plan.domain.dim(), gpu.limits.max_storage_buffer_binding_size))
+        .map_err(|reason| gpu.error(NAME, reason))?;
 
-    let mut run = Run {
-        compute,
-        ensemble,
-        control,
-        sizes,
-        params: params(plan),
-        sums: Sums::new(plan, ensemble.realizations()),
-        under_way: None,
-        plan: &PairPlan { search: search(compute, plan), ..plan.clone() },
-    };
-    match run.plan.search {
-        PairSearch::All => run.all_pairs()?,
-        PairSearch::Cells(grid) => pair_cells::run(&mut run, grid)?,
+    let mut run = Run::new(compute, plan, ensemble, control);
+    match plan.search {
+        PairSearch::All => all_pairs(&mut run).await?,
+        PairSearch::Cells(grid) => pair_cells::run(&mut run, grid).await?,
     }
-    Ok(run.sums.finish(compute.computed_by(), plan, ensemble))
+    Ok(run.into_sums())
 }
 
-/// One call at work.
-pub(super) struct Run<'a> {
-    pub(super) compute: &'a GpuCompute,
-    pub(super) plan: &'a PairPlan,
-    pub(super) ensemble: &'a Ensemble,
-    pub(super) control: &'a Control,
-    /// Points per realization.
-    pub(super) sizes: Vec<usize>,
-    params: PairParams,
-    sums: Sums,
-    /// The histograms on their way to the host, and whose they are.
-    under_way: Option<(Range<usize>, ReadBack)>,
-}
-
-/// What a buffer of the usual size holds, and a dispatch.
-pub(super) struct Caps {
-    pub(super) bytes: u64,
-    pub(super) points: usize,
-    pub(super) histograms: usize,
-    pub(super) pairs: u64,
-}
-
-impl Run<'_> {
-    pub(super) fn caps(&self) -> Caps {
-        let (tuning, limits) = (&self.compute.tuning, &self.compute.gpu().limits);
-        let bytes = tuning.buffer_bytes.min(limits.max_storage_buffer_binding_size);
-        Caps {
-            bytes,
-            points: (bytes / (8 * self.plan.domain.dim() as u64)) as usize,
-            histograms: (bytes / (4 * self.words() as u64)).max(1) as usize,
-            pairs: tuning.pairs_per_dispatch.min(pair_specs::pair_limit(self.plan)),
-        }
-    }
-
-    fn words(&self) -> usize {
-        self.sums.layout.words as usize
-    }
-
-    fn all_pairs(&mut self) -> Result<()> {
-        let gpu = self.compute.gpu();
-        let limit = gpu.limits.max_compute_workgroup_storage_size;
-        let kernel = self.compute.kernel(pair_specs::all_pairs(self.plan, limit))?;
-        let tile = kernel.spec().overrides.iter().find(|o| o.0 == "TILE").map_or(1, |o| o.1);
-        let caps = self.caps();
-        let mut held: Option<(Range<usize>, Points)> = None;
-        gpu.guarded(NAME, || {
-            let tables = Tables::upload(self.compute, self.plan);
-            for dispatch in dispatches(&self.sizes, tile, caps.pairs, caps.points, caps.histograms) {
-                self.control.check()?;
-                let range = dispatch.realizations.clone();
-                // A large realization takes many dispatches; its points go up once.
-                if held.as_ref().is_none_or(|(r, _)| *r != range) {
-                    drop(held.take());
-                    held = Some((range.clone(), Points::with_depths(self.compute, self.plan, self.ensemble, &range)));
-                }
-                let Some((_, points)) = &held else { continue };
-                let jobs = gpu.upload("jobs", &dispatch.jobs, self.compute.tuning.fill);
-                self.submit(&kernel, &tables, range, points, [&jobs].as_slice(), dispatch.jobs.len() as u32)?;
+/// One tile after the other.
+async fn all_pairs(run: &mut Run<'_>) -> Result<()> {
+    let (compute, plan, ensemble) = (run.compute, run.plan, run.ensemble);
+    let gpu = compute.gpu();
+    let limit = gpu.limits.max_compute_workgroup_storage_size;
+    let kernel = compute.kernel(pair_specs::all_pairs(plan, limit)).await?;
+    let caps = run.caps();
+    let mut held: Option<(Range<usize>, Points)> = None;
+    gpu.guarded(NAME, async || {
+        let tables = Tables::upload(compute, plan);
+        for dispatch in dispatches(&run.sizes, plan.tile.points(), caps.pairs, caps.points, caps.histograms) {
+            run.control.check()?;
+            let range = dispatch.realizations.clone();
+            // A large realization takes many dispatches; its points go up once.
+            if held.as_ref().is_none_or(|(r, _)| *r != range) {
+                drop(held.take());
+                held = Some((range.clone(), Points::with_depths(compute, plan, ensemble, &range)));
             }
-            self.finish()
-        })
-    }
-
-    /// Submits jobs on `points`, which are those of `range`. `jobs` and what else the kernel reads.
-    pub(super) fn submit(
-        &mut self,
-        kernel: &Kernel,
-        tables: &Tables,
-        range: Range<usize>,
-        points: &Points,
-        jobs: &[&wgpu::Buffer],
-        groups: u32,
-    ) -> Result<()> {
-        let (gpu, fill) = (self.compute.gpu(), self.compute.tuning.fill);
-        self.params.total_points = self.sizes[range.clone()].iter().sum::<usize>() as u32;
-        let params = gpu.uniform("params", &self.params);
-        let words = range.len() * self.words();
-        let histograms = gpu.scratch("histograms", 4 * words as u64, fill);
-        let mut encoder = gpu.encoder(NAME);
-        encoder.clear_buffer(&histograms, 0, None);
-        let first = [&params, jobs[0], &points.rounded, &points.exact, &tables.thresholds, &histograms];
-        let rest = tables.bins.iter().chain(&points.depths).chain(jobs[1..].iter().copied());
-        let buffers: Vec<_> = first.into_iter().chain(rest).collect();
-        kernel.dispatch(gpu, &mut encoder, &buffers, groups);
-        let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
-        // One submission ahead: the device has work while the host adds up.
-        if let Some((range, read)) = self.under_way.replace((range, read)) {
-            self.sums.add(range, &gpu.finish(read)?);
+            let Some((_, points)) = &held else { continue };
+            let jobs = gpu.upload("jobs", &dispatch.jobs, compute.tuning.fill);
+            run.submit(&kernel, &tables, range, points, &[&jobs], dispatch.jobs.len() as u32).await?;
         }
-        Ok(())
-    }
-
-    /// Waits for the last submission.
-    pub(super) fn finish(&mut self) -> Result<()> {
-        if let Some((range, read)) = self.under_way.take() {
-            self.sums.add(range, &self.compute.gpu().finish(read)?);
-        }
-        Ok(())
-    }
-}
-
-/// The numbers of a plan that every dispatch shares.
-fn params(plan: &PairPlan) -> PairParams {
-    let sides = plan.domain.side_steps();
-    let mut params = PairParams {
-        side_rounded: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| round32(s, 0))),
-        side_low: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| s as u32)),
-        side_high: std::array::from_fn(|a| sides.get(a).map_or(0, |&s| (s >> 32) as u32)),
-        ..PairParams::default()
-    };
-    match &plan.filter {
-        BinFilter::Linear { bins_per_step, relative_guard, absolute_guard } => {
-            params.bins_per_step = *bins_per_step;
-            params.relative_guard = *relative_guard;
-            params.absolute_guard = *absolute_guard;
-        }
-        BinFilter::Table(table) => {
-            params.first_cell = table.first_cell;
-            params.last_cell = table.cells.len() as u32 - 1;
-        }
-    }
-    params
-}
-
-/// What a plan puts into buffers.
-pub(super) struct Tables {
-    thresholds: wgpu::Buffer,
-    /// Cells and bounds of a table of bins.
-    bins: Vec<wgpu::Buffer>,
-}
-
-impl Tables {
-    pub(super) fn upload(compute: &GpuCompute, plan: &PairPlan) -> Self {
-        let (gpu, fill) = (compute.gpu(), compute.tuning.fill);
-        let limbs = |t: &u128| -> [u32; 4] { std::array::from_fn(|k| (t >> (32 * k)) as u32) };
-        let thresholds: Vec<[u32; 4]> = plan.thresholds.iter().map(limbs).collect();
-        let bins = match &plan.filter {
-            BinFilter::Linear { .. } => Vec::new(),
-            BinFilter::Table(table) => {
-                let bounds: Vec<[f32; 2]> =
-                    table.low.iter().zip(&table.high).map(|(&low, &high)| [low, high]).collect();
-                vec![gpu.upload("cells", &table.cells, fill), gpu.upload("bounds", &bounds, fill)]
-            }
-        };
-        Self { thresholds: gpu.upload("thresholds", &thresholds, fill), bins }
-    }
-}
-
-/// Points of several realizations.
-pub(super) struct Points {
-    /// Positions rounded to 32 bits, axis by axis.
-    pub(super) rounded: wgpu::Buffer,
-    /// Positions, axis by axis.
-    pub(super) exact: wgpu::Buffer,
-    /// Bins whose upper edge is at most the distance from the border, for minus sampling.
-    pub(super) depths: Option<wgpu::Buffer>,
-}
-
-impl Points {
-    /// Where the points of realizations `range` are.
-    pub(super) fn upload(compute: &GpuCompute, ensemble: &Ensemble, range: &Range<usize>) -> Self {
-        let (mut short, mut long) = (Vec::new(), Vec::new());
-        let points =
-            if range.is_empty() { 0..0 } else { ensemble.range(range.start).start..ensemble.range(range.end - 1).end };
-        let domain = ensemble.domain();
-        for (axis, &period) in domain.periods().iter().enumerate().take(domain.dim()) {
-            let axis = &ensemble.all_lengths(axis)[points.clone()];
-            let rounded = round32(period, 0);
-            short.extend(axis.iter().map(|&x| round32(x, rounded)));
-            // Low word first, as the kernel reads it.
-            long.extend(axis.iter().map(|&x| [x as u32, (x >> 32) as u32]));
-        }
-        let (gpu, fill) = (compute.gpu(), compute.tuning.fill);
-        Self { rounded: gpu.upload("rounded", &short, fill), exact: gpu.upload("exact", &long, fill), depths: None }
-    }
-
-    /// And how deep inside the window, where the plan asks for it.
-    pub(super) fn with_depths(
-        compute: &GpuCompute,
-        plan: &PairPlan,
-        ensemble: &Ensemble,
-        range: &Range<usize>,
-    ) -> Self {
-        let depths: Option<Vec<u32>> =
-            plan.border().then(|| range.clone().flat_map(|k| depths(plan, &ensemble.lengths(k))).collect());
-        let depths = depths.map(|m| compute.gpu().upload("depths", &m, compute.tuning.fill));
-        Self { depths, ..Self::upload(compute, ensemble, range) }
-    }
+        run.finish().await
+    })
+    .await
 }

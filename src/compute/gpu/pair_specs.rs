@@ -2,10 +2,8 @@
 
 use super::kernel::{self, KernelSpec, ShaderFile};
 use super::params;
-use crate::plan::{BinFilter, BinTable, Correction, PairPlan};
+use crate::plan::{BinFilter, BinTable, Correction, MAX_ISOTROPIC, PairPlan, PairSearch};
 
-/// Points in registers per invocation.
-pub(super) const POINTS_PER_LANE: u32 = 4;
 /// Invocations per workgroup of pairs in cells, and of the sort.
 pub(super) const CELL_LANES: u32 = 64;
 pub(super) const SORT_LANES: u32 = 64;
@@ -16,8 +14,6 @@ const COPIES_BYTES: u32 = 128;
 /// when all pairs of a lattice fall into one bin; of uniform points 3 to 4 meet on the worst bank of memory anyway. So a
 /// lattice should take no more than twice as long (reasoned, not measured). Few bins get a copy for every lane.
 const MAX_COPIES: u32 = 32;
-/// From this many points per realization on, there are enough tiles to fill a large GPU with wide workgroups.
-const WIDE_FROM_POINTS: u64 = 1 << 15;
 /// Dispatches of fewer pairs than this are not worth it.
 const LEAST_PAIRS: u64 = 1 << 22;
 
@@ -52,10 +48,9 @@ impl Layout {
 
 /// The kernel for all pairs of a plan on a device with `limit` bytes of workgroup memory.
 pub(super) fn all_pairs(plan: &PairPlan, limit: u32) -> KernelSpec {
-    let workgroup = if plan.shape.max_points >= WIDE_FROM_POINTS { 128 } else { 64 };
-    let tile = POINTS_PER_LANE * workgroup;
+    let tile = plan.tile.points();
     let tile_words = plan.domain.dim() as u32 * tile;
-    let (mut files, mut overrides) = parts(plan, workgroup, limit - 4 * tile_words);
+    let (mut files, mut overrides) = parts(plan, plan.tile.lanes, limit - 4 * tile_words);
     files.push(kernel::PAIR_COUNTS);
     overrides.extend([("TILE", tile), ("TILE_WORDS", tile_words)]);
     let bindings = match (&plan.filter, plan.border()) {
@@ -143,7 +138,7 @@ fn largest_addend(plan: &PairPlan) -> f64 {
         }
         // A circle no wider than the window crosses at most two sides, which meet: a quarter of it is inside.
         Correction::Isotropic if ratio <= 0.5 => 2.0 * 4.0,
-        Correction::Isotropic => 2.0 * 100.0,
+        Correction::Isotropic => 2.0 * MAX_ISOTROPIC,
     }
 }
 
@@ -152,8 +147,8 @@ pub(super) fn pair_limit(plan: &PairPlan) -> u64 {
     (f64::from(u32::MAX) / (1.001 * largest_addend(plan))) as u64
 }
 
-/// Why a plan cannot run on a device whose buffers hold `binding_bytes`.
-pub(super) fn supports(plan: &PairPlan, binding_bytes: u64) -> Result<(), String> {
+/// Why a plan cannot run on a device with these limits.
+pub(super) fn supports(plan: &PairPlan, limits: &wgpu::Limits) -> Result<(), String> {
     if plan.masses {
         return Err("weights of points are not computed on the GPU".into());
     }
@@ -161,7 +156,11 @@ pub(super) fn supports(plan: &PairPlan, binding_bytes: u64) -> Result<(), String
         let largest = largest_addend(plan);
         return Err(format!("{} weights up to {largest:.0} are too large for sums on the GPU", plan.correction));
     }
-    fits(plan.shape.max_points, plan.domain.dim(), binding_bytes)
+    let (needed, buffers) = (plan.cell_buffers(), limits.max_storage_buffers_per_shader_stage);
+    if plan.search != PairSearch::All && needed > buffers {
+        return Err(format!("planned for another device: {needed} storage buffers, this one has {buffers}"));
+    }
+    fits(plan.shape.max_points, plan.domain.dim(), limits.max_storage_buffer_binding_size)
 }
 
 pub(super) fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), String> {
@@ -170,4 +169,32 @@ pub(super) fn fits(points: u64, dim: usize, binding_bytes: u64) -> Result<(), St
         return Err(format!("{points} points need {bytes} bytes in one buffer, the device has {binding_bytes}"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{EnsembleShape, PairDevice, RadialBins, SearchCosts};
+    use crate::points::Domain;
+
+    /// What a plan says that kernels need is what they need, and a device with less looks at all pairs.
+    #[test]
+    fn plans_know_how_many_buffers_cells_need() {
+        let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+        let shape = EnsembleShape { realizations: 1, mean_points: 1e6, max_points: 1_000_000 };
+        let bins = [RadialBins::linear(0.01, 8).unwrap(), RadialBins::logarithmic(0.001, 0.01, 8).unwrap()];
+        for (bins, correction) in bins.iter().flat_map(|b| [(b, Correction::None), (b, Correction::Border)]) {
+            let plan = PairPlan::new(&window, bins.clone(), correction, shape).unwrap();
+            let kernels = sort(&plan).into_iter().chain([cell_pairs(&plan, 16 << 10)]);
+            let needed = kernels.map(|kernel| kernel.bindings.len() as u32 - 1).max();
+            assert_eq!(needed, Some(plan.cell_buffers()));
+            // As many as every device of WebGPU has.
+            assert!(all_pairs(&plan, 16 << 10).bindings.len() <= 1 + 8);
+            let on = |buffers| {
+                plan.clone().for_device(PairDevice { costs: SearchCosts::GPU, buffers: Some(buffers) }).search
+            };
+            assert_ne!(on(plan.cell_buffers()), PairSearch::All);
+            assert_eq!(on(plan.cell_buffers() - 1), PairSearch::All);
+        }
+    }
 }

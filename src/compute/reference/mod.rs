@@ -1,21 +1,23 @@
 //! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized.
 
 mod kernel_sums;
+mod lag_counts;
+mod neighbors;
 mod pair_counts;
-pub(in crate::compute) mod tapered_power;
+mod tapered_power;
 mod wave_covariance;
-pub(in crate::compute) mod wave_power;
-use super::Compute;
+mod wave_power;
+
+pub use pair_counts::{isotropic_weight, translation_weight};
+pub use wave_power::phase_turns;
+
+use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
-use crate::accumulate::{CovarianceSums, KernelSums, LagCounts, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{CovarianceSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, PairPlan, WavePlan};
-pub(crate) use pair_counts::MAX_ISOTROPIC;
-pub use pair_counts::{isotropic_weight, translation_weight};
-pub use wave_power::phase_turns;
-mod lag_counts;
+use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -27,70 +29,107 @@ impl Compute for Reference {
         ComputedBy::new(Backend::Reference, "reference (f64 and integers, one thread)")
     }
 
-    fn pair_counts(&self, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
-        let mut sums = PairCounts::new(self.computed_by(), plan);
-        for k in 0..ensemble.realizations() {
-            sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.masses(k), control)?);
-        }
-        Ok(sums)
+    fn supports(&self, _work: Work<'_>) -> Result<(), NotHere> {
+        Ok(())
     }
 
-    fn lag_counts(&self, plan: &LagPlan, ensemble: &Ensemble, control: &Control) -> Result<LagCounts> {
-        let mut sums = LagCounts::new(self.computed_by(), plan);
-        for k in 0..ensemble.realizations() {
-            sums.add(plan, &lag_counts::lag_counts(plan, &ensemble.lengths(k), control)?);
-        }
-        Ok(sums)
-    }
-
-    fn wave_power(&self, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-        let mut sums = WavePower::new(self.computed_by(), plan.waves.len(), &plan.rings);
-        for k in 0..ensemble.realizations() {
-            let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
-            let power = match plan.tapered() {
-                Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &axes, weights, |weights| {
-                    wave_power::amplitudes(&plan.waves, &axes, Some(weights), control)
-                })?,
-                None => wave_power::wave_power(&plan.waves, &axes, weights, control)?,
-            };
-            sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
-        }
-        sums.close_leaf();
-        Ok(sums)
-    }
-
-    fn kernel_sums(&self, plan: &KernelPlan, ensemble: &Ensemble, control: &Control) -> Option<Result<KernelSums>> {
-        let mut sums = KernelSums::new(self.computed_by(), plan.r.len());
-        for k in 0..ensemble.realizations() {
-            match kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.masses(k), control) {
-                Ok(curve) => sums.add(ensemble.first_index() + k as u64, &curve),
-                Err(error) => return Some(Err(error)),
+    fn pair_counts<'a>(
+        &'a self,
+        plan: &'a PairPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, PairCounts> {
+        at_once(|| {
+            let mut sums = PairCounts::new(self.computed_by(), plan);
+            for k in 0..ensemble.realizations() {
+                sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.masses(k), control)?);
             }
-        }
-        sums.close_leaf();
-        Some(Ok(sums))
+            Ok(sums)
+        })
     }
 
-    fn wave_covariance(
-        &self,
-        plan: &CovariancePlan,
-        ensemble: &Ensemble,
-        control: &Control,
-    ) -> Option<Result<WaveCovariance>> {
-        let mut sums = WaveCovariance::new(self.computed_by(), plan.stored());
-        let indices: Vec<usize> = (0..ensemble.realizations()).collect();
-        let leaf_of = |k: usize| (ensemble.first_index() + k as u64) / LEAF;
-        for leaf in indices.chunk_by(|&a, &b| leaf_of(a) == leaf_of(b)) {
-            let mut part = CovarianceSums::new(plan.stored());
-            for &k in leaf {
+    fn lag_counts<'a>(
+        &'a self,
+        plan: &'a LagPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, LagCounts> {
+        at_once(|| {
+            let mut sums = LagCounts::new(self.computed_by(), plan);
+            for k in 0..ensemble.realizations() {
+                sums.add(plan, &lag_counts::lag_counts(plan, &ensemble.lengths(k), control)?);
+            }
+            Ok(sums)
+        })
+    }
+
+    fn wave_power<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        at_once(|| {
+            let mut sums = WavePower::new(self.computed_by(), plan.waves.len(), &plan.rings);
+            for k in 0..ensemble.realizations() {
                 let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
-                match wave_power::amplitudes(&plan.grid.into(), &axes, weights, control) {
-                    Ok(all) => wave_covariance::add(&mut part, &all[plan.grid.dc()..], ensemble.norm(k)),
-                    Err(error) => return Some(Err(error)),
-                }
+                let power = match plan.tapered() {
+                    Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &axes, weights, control)?,
+                    None => wave_power::wave_power(&plan.waves, &axes, weights, control)?,
+                };
+                sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
             }
-            sums.add_leaf(leaf_of(leaf[0]), leaf.len() as u64, part);
-        }
-        Some(Ok(sums))
+            sums.close_leaf();
+            Ok(sums)
+        })
+    }
+
+    fn kernel_sums<'a>(
+        &'a self,
+        plan: &'a KernelPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, KernelSums> {
+        at_once(|| {
+            let mut sums = KernelSums::new(self.computed_by(), plan.r.len());
+            for k in 0..ensemble.realizations() {
+                let curve = kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.masses(k), control)?;
+                sums.add(ensemble.first_index() + k as u64, &curve);
+            }
+            sums.close_leaf();
+            Ok(sums)
+        })
+    }
+
+    fn wave_covariance<'a>(
+        &'a self,
+        plan: &'a CovariancePlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, WaveCovariance> {
+        at_once(|| {
+            let mut sums = WaveCovariance::new(self.computed_by(), plan.stored());
+            let indices: Vec<usize> = (0..ensemble.realizations()).collect();
+            let leaf_of = |k: usize| (ensemble.first_index() + k as u64) / LEAF;
+            for leaf in indices.chunk_by(|&a, &b| leaf_of(a) == leaf_of(b)) {
+                let mut part = CovarianceSums::new(plan.stored());
+                for &k in leaf {
+                    let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+                    let all = wave_power::amplitudes(&plan.grid.into(), &axes, weights, control)?;
+                    wave_covariance::add(&mut part, &all[plan.grid.dc()..], ensemble.norm(k));
+                }
+                sums.add_leaf(leaf_of(leaf[0]), leaf.len() as u64, part);
+            }
+            Ok(sums)
+        })
+    }
+
+    fn neighbors<'a>(
+        &'a self,
+        plan: &'a NeighborPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, NeighborSums> {
+        at_once(|| neighbors::neighbors(plan, ensemble, control))
     }
 }

@@ -28,7 +28,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{Correction, PairPlan};
+use crate::plan::{Correction, MAX_ISOTROPIC, PairPlan};
 use crate::points::geometry::{border_distance, depth, squared_distance, weighted_pair};
 use crate::points::{Domain, UNIT_MASS};
 
@@ -44,9 +44,6 @@ pub fn translation_weight(axes: &[&[u64]], domain: &Domain, i: usize, j: usize) 
     }
     (weight * WEIGHT_STEPS).round_ties_even() as u64
 }
-
-/// The largest isotropic weight.
-pub(crate) const MAX_ISOTROPIC: f64 = 100.0;
 
 /// The isotropic weight of the ordered pair (i, j) in steps of 2^-32, in 1D and 2D; `sides` as `Domain::side_steps`.
 ///

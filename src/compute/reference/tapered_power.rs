@@ -13,16 +13,18 @@
 //! (`TaperPlan`), q = n S is `|sum_j f(x_j) exp(..) - n F|^2`, so that sums of q over realizations are compared with sums of n
 //! as everywhere. Where points have weights w_j, f(x_j) is `w_j f(x_j)` and n in front of F their sum.
 
+use super::wave_power::amplitudes;
+use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Debias, TaperPlan, WaveVectors};
 
-/// q at every stored mode of one realization. `amplitudes` sums `weight exp(..)` over the points.
-pub(in crate::compute) fn tapered_power(
+/// q at every stored mode of one realization.
+pub(super) fn tapered_power(
     taper: &TaperPlan,
     waves: &WaveVectors,
     axes: &[&[u64]],
     weights: Option<&[f64]>,
-    mut amplitudes: impl FnMut(&[f64]) -> Result<Vec<[f64; 2]>>,
+    control: &Control,
 ) -> Result<Vec<f64>> {
     let (dim, points) = (waves.dim(), axes[0].len());
     let weight = |j: usize| weights.map_or(1.0, |w| w[j]);
@@ -31,7 +33,8 @@ pub(in crate::compute) fn tapered_power(
     let mut power = vec![0.0; waves.len()];
     for &orders in &tapers {
         let tapered: Vec<f64> = (0..points).map(|j| weight(j) * taper.value(orders, axes, j)).collect();
-        for (index, (power, [re, im])) in power.iter_mut().zip(amplitudes(&tapered)?).enumerate() {
+        let amplitudes = amplitudes(waves, axes, Some(&tapered), control)?;
+        for (index, (power, [re, im])) in power.iter_mut().zip(amplitudes).enumerate() {
             let [mean_re, mean_im] = taper.transform(orders, waves.vector(index), dim).map(|f| total * f);
             *power += match taper.debias {
                 Debias::Direct => (re - mean_re).powi(2) + (im - mean_im).powi(2),

@@ -13,7 +13,6 @@
 //! f64. Sums are compensated (Neumaier), so that the error does
 //! not grow with n.
 
-use crate::compute::compensated::Compensated;
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::WaveVectors;
@@ -50,14 +49,21 @@ pub(in crate::compute) fn amplitudes(
     for index in 0..waves.len() {
         control.check()?;
         let m = waves.vector(index);
-        let (mut re, mut im) = (Compensated::default(), Compensated::default());
+        let (mut re, mut im) = ([0.0; 2], [0.0; 2]);
         for j in 0..axes[0].len() {
             let (sin, cos) = (std::f64::consts::TAU * phase_turns(axes, m, j)).sin_cos();
             let weight = weights.map_or(1.0, |w| w[j]);
-            re.add(weight * cos);
-            im.add(-weight * sin);
+            add(&mut re, weight * cos);
+            add(&mut im, -weight * sin);
         }
-        amplitudes.push([re.sum(), im.sum()]);
+        amplitudes.push([re[0] + re[1], im[0] + im[1]]);
     }
     Ok(amplitudes)
+}
+
+/// Adds to a sum and its rounding error (Neumaier 1974).
+fn add([sum, error]: &mut [f64; 2], x: f64) {
+    let next = *sum + x;
+    *error += if sum.abs() >= x.abs() { (*sum - next) + x } else { (x - next) + *sum };
+    *sum = next;
 }

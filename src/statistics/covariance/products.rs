@@ -5,7 +5,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::WaveCovariance;
-use crate::compute::Work;
+use crate::compute::Session;
 use crate::error::Result;
 use crate::estimate::{AmplitudeCovariance, Analysis};
 use crate::plan::{Batch, CovariancePlan};
@@ -44,8 +44,8 @@ impl Group for Covariance {
         self.0.batch
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<WaveCovariance> {
-        work.wave_covariance(&self.0, batch).await
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<WaveCovariance> {
+        session.wave_covariance(&self.0, batch).await
     }
 
     fn estimate(&self, sums: &WaveCovariance, _: &Subject<'_>, found: &mut Analysis) {

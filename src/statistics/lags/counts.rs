@@ -5,7 +5,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, LagCounts, Sums};
-use crate::compute::Work;
+use crate::compute::Session;
 use crate::error::Result;
 use crate::estimate::{Analysis, VectorCorrelation};
 use crate::plan::{Batch, Correction, DEFAULT_RINGS, LagGrid, LagPlan};
@@ -108,10 +108,10 @@ impl Group for Lags {
         all.into_iter().flatten().min_by_key(|batch| batch.realizations).unwrap_or(self.lags.batch)
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<LagSums> {
-        let lags = work.lag_counts(&self.lags, batch).await?;
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<LagSums> {
+        let lags = session.lag_counts(&self.lags, batch).await?;
         let rings = match &self.rings {
-            Some(rings) => Some(work.lag_counts(rings, batch).await?),
+            Some(rings) => Some(session.lag_counts(rings, batch).await?),
             None => None,
         };
         Ok(LagSums { lags, rings })

@@ -5,7 +5,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::NeighborSums;
-use crate::compute::Work;
+use crate::compute::Session;
 use crate::error::Result;
 use crate::estimate::{Analysis, Neighbors};
 use crate::plan::{Batch, NeighborPlan};
@@ -47,8 +47,8 @@ impl Group for Neighborhood {
         self.0.batch
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<NeighborSums> {
-        work.neighbors(&self.0, batch).await
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<NeighborSums> {
+        session.neighbors(&self.0, batch).await
     }
 
     fn estimate(&self, sums: &NeighborSums, subject: &Subject<'_>, found: &mut Analysis) {

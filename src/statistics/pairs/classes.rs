@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::counts::identity;
 use crate::accumulate::{CrossCounts, PairCounts};
-use crate::compute::{Compute, Work};
+use crate::compute::{Compute, Session};
 use crate::error::{Error, Result};
 use crate::estimate::{Analysis, CrossCorrelation};
 use crate::plan::{Batch, PairPlan};
@@ -70,18 +70,18 @@ impl Group for Classes {
     }
 
     fn suit(&mut self, compute: &dyn Compute) {
-        self.pairs = self.pairs.clone().with_costs(compute.search_costs());
+        self.pairs = self.pairs.clone().for_device(compute.pair_device());
     }
 
     /// Counts within each class and within both together, one realization after the other: their differences are the
     /// pairs between them, whatever the backend and the correction.
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<CrossCounts> {
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<CrossCounts> {
         let [a, b] = self.numbers;
         let sets = [vec![a, b], vec![a], vec![b]].map(|classes| batch.of_classes(&classes));
         let mut sums: Option<CrossCounts> = None;
         for k in 0..batch.realizations() {
             let one = sets.each_ref().map(|set| set.slice(k..k + 1));
-            let counts = work.all_pair_counts(&self.pairs, &one).await?;
+            let counts = session.all_pair_counts(&self.pairs, &one).await?;
             let [both, a, b] = counts.as_slice() else { continue };
             let mut between = PairCounts::new(both.computed_by.clone(), &self.pairs);
             between.add_between(both, a, b);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, PairCounts, PairHistogram, Sums};
-use crate::compute::{Compute, Work};
+use crate::compute::{Compute, Session};
 use crate::error::{Error, Result, number};
 use crate::estimate::{Analysis, KFunction, Normalization, PairCorrelation};
 use crate::plan::{Batch, BinScale, Convention, Correction, PairPlan, PairSettings, RadialBins};
@@ -156,14 +156,14 @@ impl Group for Pairs {
     }
 
     fn suit(&mut self, compute: &dyn Compute) {
-        self.plan = self.plan.clone().with_costs(compute.search_costs());
+        self.plan = self.plan.clone().for_device(compute.pair_device());
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<PairSums> {
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PairSums> {
         if let Some((finest, edges)) = self.kept_bins(batch) {
-            return self.measure_finest(finest, &edges, batch, work).await;
+            return self.measure_finest(finest, &edges, batch, session).await;
         }
-        Ok(PairSums { counts: work.pair_counts(&self.plan, batch).await?, histograms: None })
+        Ok(PairSums { counts: session.pair_counts(&self.plan, batch).await?, histograms: None })
     }
 
     fn estimate(&self, sums: &PairSums, subject: &Subject<'_>, found: &mut Analysis) {
@@ -268,13 +268,13 @@ impl Pairs {
         finest: &PairPlan,
         edges: &[usize],
         batch: &Ensemble,
-        work: &mut Work<'_>,
+        session: &mut Session<'_>,
     ) -> Result<PairSums> {
         let singles: Vec<Ensemble> = (0..batch.realizations()).map(|k| batch.slice(k..k + 1)).collect();
-        let all = work.all_pair_counts(finest, &singles).await?;
+        let all = session.all_pair_counts(finest, &singles).await?;
         let by = all.iter().map(|c| c.computed_by.clone()).reduce(|a, b| a.merge(&b));
         let Some(by) = by else {
-            return Ok(PairSums { counts: work.pair_counts(&self.plan, batch).await?, histograms: None });
+            return Ok(PairSums { counts: session.pair_counts(&self.plan, batch).await?, histograms: None });
         };
         let mut counts = PairCounts::new(by, &self.plan);
         let mut histograms = Vec::with_capacity(singles.len());

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::counts::identity;
 use crate::accumulate::{KernelSums, PairCounts};
-use crate::compute::{Compute, Work};
+use crate::compute::{Compute, Session};
 use crate::error::Result;
 use crate::estimate::{Analysis, CrossValidation, KernelEstimate};
 use crate::plan::{Bandwidth, BandwidthSearch, Batch, Kernel, KernelPlan, PairSettings, RadialBins};
@@ -69,11 +69,11 @@ impl Group for Search {
     }
 
     fn suit(&mut self, compute: &dyn Compute) {
-        self.0.pairs = self.0.pairs.clone().with_costs(compute.search_costs());
+        self.0.pairs = self.0.pairs.clone().for_device(compute.pair_device());
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<PairCounts> {
-        work.pair_counts(&self.0.pairs, batch).await
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PairCounts> {
+        session.pair_counts(&self.0.pairs, batch).await
     }
 
     fn estimate(&self, _: &PairCounts, _: &Subject<'_>, _: &mut Analysis) {}
@@ -112,11 +112,11 @@ impl Group for Smoothed {
     }
 
     fn suit(&mut self, compute: &dyn Compute) {
-        self.plan.pairs = self.plan.pairs.clone().with_costs(compute.search_costs());
+        self.plan.pairs = self.plan.pairs.clone().for_device(compute.pair_device());
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<KernelSums> {
-        work.kernel_sums(&self.plan, batch).await
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<KernelSums> {
+        session.kernel_sums(&self.plan, batch).await
     }
 
     fn estimate(&self, sums: &KernelSums, subject: &Subject<'_>, found: &mut Analysis) {

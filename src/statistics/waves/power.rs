@@ -6,7 +6,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::WavePower;
-use crate::compute::{Compute, Work};
+use crate::compute::{Compute, Session};
 use crate::error::{Error, Result, numbers};
 use crate::estimate::{Analysis, PowerSpectrum, RadialSpectrum, SpectrumDetails};
 use crate::plan::{
@@ -115,8 +115,8 @@ impl Group for Waves {
         self.plan.costs = compute.wave_costs();
     }
 
-    async fn measure(&self, batch: &Ensemble, work: &mut Work<'_>) -> Result<WavePower> {
-        work.wave_power(&self.plan, batch).await
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<WavePower> {
+        session.wave_power(&self.plan, batch).await
     }
 
     fn estimate(&self, sums: &WavePower, subject: &Subject<'_>, found: &mut Analysis) {

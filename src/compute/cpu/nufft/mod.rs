@@ -17,7 +17,6 @@ pub(super) use cache::Cache;
 pub(super) use spread::Band;
 pub use spread::Points;
 
-use rayon::ThreadPool;
 use rustfft::num_complex::Complex;
 
 use self::kernel::Kernel;
@@ -27,6 +26,7 @@ use super::SimdLevel;
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{NufftSizes, WaveGrid};
+use crate::pool::Pool;
 
 /// A plan for all realizations that share a grid of modes.
 pub struct Nufft {
@@ -72,7 +72,7 @@ impl Nufft {
         &self,
         points: &Points<'_>,
         scratch: &mut Scratch,
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
         control: &Control,
         out: &mut [Complex<f64>],
     ) -> Result<()> {
@@ -86,7 +86,7 @@ impl Nufft {
         &self,
         points: &Points<'_>,
         scratch: &mut Scratch,
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
         control: &Control,
         out: &mut [f64],
     ) -> Result<()> {
@@ -99,13 +99,13 @@ impl Nufft {
         &self,
         points: &Points<'_>,
         scratch: &mut Scratch,
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
         control: &Control,
         finish: impl Fn(Complex<f64>) -> T + Sync,
         out: &mut [T],
     ) -> Result<()> {
         let fine = self.transform.grid();
-        let threads = pool.map_or(1, ThreadPool::current_num_threads);
+        let threads = pool.map_or(1, Pool::threads);
         scratch.cells.resize(fine.stored(), 0.0);
         scratch.columns.resize(self.transform.columns(fine.axes.len() - 1), Complex::default());
         scratch.workers.resize_with(threads.max(scratch.workers.len()), Worker::default);

@@ -8,14 +8,13 @@
 
 use std::ops::Range;
 
-use rayon::ThreadPool;
-
 use super::kernel::Kernel;
 use super::threads::share;
 use crate::compute::cpu::simd::{self, SimdLevel};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::kernel_lanes as lanes;
+use crate::pool::Pool;
 
 /// Points that are sorted at a time: in the second-level cache.
 const CHUNK: usize = 1 << 15;
@@ -118,12 +117,12 @@ impl FineGrid {
         points: &Points<'_>,
         sorted: &mut Sorted,
         cells: &mut [f64],
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
         control: &Control,
     ) -> Result<()> {
         let n = points.axes[0].len();
         sorted.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
-        let mut workers = vec![(); pool.map_or(1, ThreadPool::current_num_threads)];
+        let mut workers = vec![(); pool.map_or(1, Pool::threads)];
         share(pool, &mut workers, sorted.chunks.iter_mut().enumerate(), |_, (c, chunk)| {
             control.check()?;
             chunk.sort(self, points, c * CHUNK..n.min((c + 1) * CHUNK));

@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use rayon::ThreadPool;
 use realfft::{RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner, num_complex::Complex};
 
@@ -14,6 +13,7 @@ use super::spread::FineGrid;
 use super::threads::share;
 use crate::control::Control;
 use crate::error::{Error, Result};
+use crate::pool::Pool;
 use crate::setting::Setting;
 
 /// Slabs transposed at a time: two cache lines of one frequency.
@@ -121,7 +121,7 @@ impl Transform {
     pub(super) fn run<T: Send>(
         &self,
         (cells, columns, workers): (&mut [f64], &mut [Complex<f64>], &mut [Worker]),
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
         control: &Control,
         finish: impl Fn(Complex<f64>) -> T + Sync,
         out: &mut [T],
