@@ -399,10 +399,10 @@ impl Track {
             return Some(Self { plan: plan.clone(), rebinned: false, ..kept });
         }
         if let (Some(had), Some(wanted)) = (&kept.plan.waves, &plan.waves) {
-            // More than is wanted, by the same roads.
+            // More than is wanted, by the same methods.
             let trimmed =
                 Plan { waves: Some(WavePlan { rings_only: wanted.rings_only, ..had.clone() }), ..kept.plan.clone() };
-            let by = |n: u64| had.road(n as usize) == wanted.road(n as usize);
+            let by = |n: u64| had.method(n as usize) == wanted.method(n as usize);
             let distinct: HashSet<u64> = sizes.iter().copied().collect();
             if wanted.rings_only && same_sums(&trimmed, plan) && distinct.into_iter().all(by) {
                 return Some(kept);

@@ -6,7 +6,7 @@ use super::{Compute, NotHere, Work, binned_kernel, cpu::Cpu};
 use crate::accumulate::{KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -68,14 +68,14 @@ impl<'a> WithFallback<'a> {
         ensemble: &Ensemble,
         control: &Control,
     ) -> Result<KernelSums> {
-        match plan.road {
-            KernelRoad::Binned => {
+        match plan.method {
+            KernelMethod::Binned => {
                 let pool = self.pool();
                 self.run(Work::Pairs(&plan.pairs), |c| {
                     block_on(binned_kernel::kernel_sums(c, &pool, plan, ensemble, control))
                 })
             }
-            KernelRoad::Direct => self.run(Work::Kernel(plan), |c| block_on(c.kernel_sums(plan, ensemble, control))),
+            KernelMethod::Direct => self.run(Work::Kernel(plan), |c| block_on(c.kernel_sums(plan, ensemble, control))),
         }
     }
 
