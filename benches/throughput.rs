@@ -10,7 +10,7 @@ use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
 use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
 use pairwave::compute::{Compute, Work};
 use pairwave::control::Control;
-use pairwave::plan::{Accuracy, Correction, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WavePlan, WaveRoad};
+use pairwave::plan::{Accuracy, Correction, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WaveMethod, WavePlan};
 
 use common::{Clock, uniform, wait};
 
@@ -109,8 +109,8 @@ fn table(device: &dyn Compute, by_processor: bool) {
         if by_processor && n * k * m * m > 1 << 31 {
             continue;
         }
-        let road = if accuracy == Accuracy::Fast { WaveRoad::DirectF32 } else { WaveRoad::DirectF64 };
-        let name = format!("spectrum 2D {}, {k} x n = {n}, M = {m}", road.name());
+        let method = if accuracy == Accuracy::Fast { WaveMethod::DirectF32 } else { WaveMethod::DirectF64 };
+        let name = format!("spectrum 2D {}, {k} x n = {n}, M = {m}", method.name());
         if !wanted(&name) {
             continue;
         }
@@ -118,7 +118,7 @@ fn table(device: &dyn Compute, by_processor: bool) {
         let Ok(grid) = WaveGrid::new(&[m as u32, m as u32]) else { continue };
         let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape) else { continue };
         // What a transform takes is no matter of multiply-adds.
-        let plan = WavePlan { road: Some(road), ..plan };
+        let plan = WavePlan { method: Some(method), ..plan };
         let gflop = gflop(n * k, m);
         if device.supports(Work::Waves(&plan)).is_err() {
             continue;

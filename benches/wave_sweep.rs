@@ -1,6 +1,6 @@
-//! Whether plans of spectra choose well: every road of a sweep of plans is run, and the chosen one compared with the
+//! Whether plans of spectra choose well: every method of a sweep of plans is run, and the chosen one compared with the
 //! fastest. A case of less than 0.3 ms in all is shown, but does not count. Processor time of one thread, the best of
-//! several repetitions in turns. `-- all` prints every road with its estimate.
+//! several repetitions in turns. `-- all` prints every method with its estimate.
 
 mod common;
 
@@ -41,16 +41,16 @@ fn main() {
             for accuracy in [Accuracy::Fast, Accuracy::High] {
                 let Ok(grid) = WaveGrid::new(&vec![f; dim]) else { continue };
                 let Ok(plan) = WavePlan::new(ensemble.domain(), grid, accuracy, shape) else { continue };
-                let mut roads = plan.roads(n as f64);
-                let least = roads.iter().map(|r| r.seconds).fold(f64::INFINITY, f64::min);
+                let mut methods = plan.methods(n as f64);
+                let least = methods.iter().map(|r| r.seconds).fold(f64::INFINITY, f64::min);
                 // What is estimated to be many times slower is not the fastest; the sweep stays short.
-                roads.retain(|r| r.seconds <= 4.0 * least);
-                let mut times = vec![f64::INFINITY; roads.len()];
+                methods.retain(|r| r.seconds <= 4.0 * least);
+                let mut times = vec![f64::INFINITY; methods.len()];
                 // Long enough for the clock, which is a few milliseconds late.
                 let runs = (0.02 / (least * k as f64)).clamp(1.0, 1000.0) as u32;
                 for _ in 0..4 {
-                    for (time, estimate) in times.iter_mut().zip(&roads) {
-                        let plan = WavePlan { road: Some(estimate.road), ..plan.clone() };
+                    for (time, estimate) in times.iter_mut().zip(&methods) {
+                        let plan = WavePlan { method: Some(estimate.method), ..plan.clone() };
                         let clock = Clock::start(true);
                         for _ in 0..runs {
                             assert!(wait(cpu.wave_power(&plan, &ensemble, &Control::default())).is_ok());
@@ -58,19 +58,24 @@ fn main() {
                         *time = time.min(clock.seconds() / f64::from(runs) / k as f64);
                     }
                 }
-                let road = plan.road(n);
-                let chosen = roads.iter().position(|r| r.road == road).map_or(f64::NAN, |c| times[c]);
+                let method = plan.method(n);
+                let chosen = methods.iter().position(|r| r.method == method).map_or(f64::NAN, |c| times[c]);
                 let best = times.iter().copied().fold(f64::INFINITY, f64::min);
                 println!(
                     "{dim}D n = {n} x {k}, F = {f}, {}: {:.4} {}, ratio {:.3}",
                     accuracy.name(),
                     1e3 * chosen,
-                    road.name(),
+                    method.name(),
                     chosen / best
                 );
                 if verbose {
-                    for (estimate, time) in roads.iter().zip(&times) {
-                        println!("    {:<12} {:9.4} ({:.4})", estimate.road.name(), 1e3 * time, 1e3 * estimate.seconds);
+                    for (estimate, time) in methods.iter().zip(&times) {
+                        println!(
+                            "    {:<12} {:9.4} ({:.4})",
+                            estimate.method.name(),
+                            1e3 * time,
+                            1e3 * estimate.seconds
+                        );
                     }
                 }
                 if best * k as f64 >= 3e-4 {

@@ -2,13 +2,13 @@
 //
 // exp(-2 pi i m.x) = exp(-2 pi i m_0 x) exp(-2 pi i (m_1 y + m_2 z)), so the sums over points are a product of two
 // tables: rows m_0 >= 0, and columns, of which one of each pair +-(m_1, m_2) is enough. Each invocation holds a block of 4
-// rows by 4 columns, PANEL points are summed in it, then the sums are settled in memory, and what is left goes on.
+// rows by 4 columns, PANEL points are summed in it, then the sums are carried to memory, and what is left goes on.
 //
 // Registers of the f32 kernel: 64 sums, 8 of the table entry, 16 table values, and about 20 for phases and places: below 128,
 // so that 2 workgroups of 256 share a processor of 65536 registers, and one multiplies while the other makes tables.
 // Per point that is 64 multiply-adds to 4 loads of 16 bytes, the ratio of an 8 by 8 block of a real matrix product.
 //
-// Joined with: shared/wave_types; shared/phase and shared/wave_settle, or shared/phase_f64 and shared/wave_settle_f64;
+// Joined with: shared/wave_types; shared/phase and shared/wave_carry, or shared/phase_f64 and shared/wave_carry_f64;
 // shared/wave_unweighted or shared/wave_weighted.
 
 override DIM: u32 = 2u;
@@ -22,7 +22,7 @@ override SLOTS: u32 = 18u;
 // Points whose tables are held at a time, a multiple of WORKGROUP / ENTRIES, and TILE * ENTRIES.
 override TILE: u32 = 16u;
 override TABLE_WORDS: u32 = 512u;
-// Points between settlements, a multiple of TILE.
+// Points between carries, a multiple of TILE.
 override PANEL: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> params: WaveParams;
@@ -131,26 +131,26 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
                 }
             }
         }
-        let at = Settlement(group, lane, panel == 0u, panel_end == chunk.count);
-        line_cos = settle(at, 0u, line_cos);
-        line_sin = settle(at, 1u, line_sin);
+        let at = Carry(group, lane, panel == 0u, panel_end == chunk.count);
+        line_cos = carry(at, 0u, line_cos);
+        line_sin = carry(at, 1u, line_sin);
         if (SLOTS > 2u) {
-            product.cc0 = settle(at, 2u, product.cc0);
-            product.ss0 = settle(at, 3u, product.ss0);
-            product.cs0 = settle(at, 4u, product.cs0);
-            product.sc0 = settle(at, 5u, product.sc0);
-            product.cc1 = settle(at, 6u, product.cc1);
-            product.ss1 = settle(at, 7u, product.ss1);
-            product.cs1 = settle(at, 8u, product.cs1);
-            product.sc1 = settle(at, 9u, product.sc1);
-            product.cc2 = settle(at, 10u, product.cc2);
-            product.ss2 = settle(at, 11u, product.ss2);
-            product.cs2 = settle(at, 12u, product.cs2);
-            product.sc2 = settle(at, 13u, product.sc2);
-            product.cc3 = settle(at, 14u, product.cc3);
-            product.ss3 = settle(at, 15u, product.ss3);
-            product.cs3 = settle(at, 16u, product.cs3);
-            product.sc3 = settle(at, 17u, product.sc3);
+            product.cc0 = carry(at, 2u, product.cc0);
+            product.ss0 = carry(at, 3u, product.ss0);
+            product.cs0 = carry(at, 4u, product.cs0);
+            product.sc0 = carry(at, 5u, product.sc0);
+            product.cc1 = carry(at, 6u, product.cc1);
+            product.ss1 = carry(at, 7u, product.ss1);
+            product.cs1 = carry(at, 8u, product.cs1);
+            product.sc1 = carry(at, 9u, product.sc1);
+            product.cc2 = carry(at, 10u, product.cc2);
+            product.ss2 = carry(at, 11u, product.ss2);
+            product.cs2 = carry(at, 12u, product.cs2);
+            product.sc2 = carry(at, 13u, product.sc2);
+            product.cc3 = carry(at, 14u, product.cc3);
+            product.ss3 = carry(at, 15u, product.ss3);
+            product.cs3 = carry(at, 16u, product.cs3);
+            product.sc3 = carry(at, 17u, product.sc3);
         }
     }
 }

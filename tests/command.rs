@@ -299,7 +299,7 @@ fn kernel_estimates_of_an_independent_program() {
 }
 
 #[test]
-fn bandwidths_and_roads_reach_the_summary() {
+fn bandwidths_and_methods_reach_the_summary() {
     let scratch = Scratch::new();
     let thomas = "analyze --sampler thomas -n 150 -k 3 --stats pcf --bins 40 --device cpu --kernel epanechnikov";
     let plan = scratch.ok(&format!("{thomas} --bandwidth lscv --envelope 9 --explain"));

@@ -343,13 +343,13 @@ fn cuts_of_a_batch_do_not_change_a_bit() {
     }
 }
 
-/// The plan by each road it could choose.
-fn by_each_road(plan: &WavePlan) -> Vec<WavePlan> {
-    let roads = plan.roads(plan.shape.mean_points).into_iter().map(|estimate| Some(estimate.road));
-    roads.map(|road| WavePlan { road, ..plan.clone() }).collect()
+/// The plan by each method it could choose.
+fn by_each_method(plan: &WavePlan) -> Vec<WavePlan> {
+    let methods = plan.methods(plan.shape.mean_points).into_iter().map(|estimate| Some(estimate.method));
+    methods.map(|method| WavePlan { method, ..plan.clone() }).collect()
 }
 
-/// Runs every road at both accuracies on every instruction set; `check` gets a name, the plan and what came out.
+/// Runs every method at both accuracies on every instruction set; `check` gets a name, the plan and what came out.
 fn every_way(
     name: &str,
     ensemble: &Ensemble,
@@ -357,11 +357,11 @@ fn every_way(
     mut check: impl FnMut(&str, &WavePlan, &WavePower),
 ) {
     for accuracy in [Accuracy::Fast, Accuracy::High] {
-        for plan in by_each_road(&plan(accuracy)) {
+        for plan in by_each_method(&plan(accuracy)) {
             for cpu in levels() {
                 let power = wait(cpu.wave_power(&plan, ensemble, &Control::default())).unwrap();
-                let road = plan.road.unwrap().name();
-                check(&format!("{name}, {}, {road}, {}", accuracy.name(), cpu.level().name()), &plan, &power);
+                let method = plan.method.unwrap().name();
+                check(&format!("{name}, {}, {method}, {}", accuracy.name(), cpu.level().name()), &plan, &power);
             }
         }
     }
@@ -466,7 +466,7 @@ fn weighted_powers_are_within_the_promise() {
             let weights: Vec<f64> = (0..points.total_points()).map(|j| weight(j, rng.unit())).collect();
             let points = points.with_weights(&weights);
             powers_are_within(&format!("weights {k}, {dim}D"), &points, &f);
-            // DC is the square of the sum of weights, whatever the road.
+            // DC is the square of the sum of weights, whatever the method.
             let truth = reference_power(&wave_plan(&points, &f, Accuracy::High), &points);
             let plan = |accuracy| wave_plan(&points, &f, accuracy);
             every_way("DC", &points, plan, |name, plan, power| {
@@ -520,20 +520,20 @@ fn lists_are_within_the_promise() {
 
 /// Lists and weights too.
 #[test]
-fn threads_do_not_change_a_bit_of_any_road() {
+fn threads_do_not_change_a_bit_of_any_method() {
     let points = many(2, 5, 700);
     let weights: Vec<f64> = (0..points.total_points()).map(|j| (j as f64).sin()).collect();
     let points = points.with_weights(&weights);
     let vectors = (0..300).map(|k| [f64::from(k) * 0.7, 3.0, 0.0]).collect();
     let list =
         WavePlan::new(points.domain(), WaveList { dim: 2, vectors, mirrored: false }, Accuracy::High, shape(&points));
-    let mut plans = by_each_road(&list.unwrap());
-    plans.extend(by_each_road(&wave_plan(&points, &[70, 40], Accuracy::Fast)));
+    let mut plans = by_each_method(&list.unwrap());
+    plans.extend(by_each_method(&wave_plan(&points, &[70, 40], Accuracy::Fast)));
     for plan in plans {
         let run = |threads: usize| bits(&wait(cpu(threads).wave_power(&plan, &points, &Control::default())).unwrap());
         let one = run(1);
         for threads in [2, 5] {
-            assert!(run(threads) == one, "{:?} with {threads} threads", plan.road);
+            assert!(run(threads) == one, "{:?} with {threads} threads", plan.method);
         }
     }
 }
@@ -547,13 +547,13 @@ fn rings_alone_are_the_rings_of_the_grid() {
         [(cube(1), vec![50]), (cube(2), vec![90, 90]), (long, vec![150, 50]), (cube(3), vec![12, 12, 14])]
     {
         let points = ensemble_in(&domain, &[uniform(domain.dim(), 500, 1), uniform(domain.dim(), 41, 2)]);
-        for plan in by_each_road(&wave_plan(&points, &f, Accuracy::Fast)) {
+        for plan in by_each_method(&wave_plan(&points, &f, Accuracy::Fast)) {
             let alone = WavePlan { rings_only: true, ..plan.clone() };
             let mut kept = Vec::new();
             for threads in [1, 2] {
                 let [all, alone] =
                     [&plan, &alone].map(|p| wait(cpu(threads).wave_power(p, &points, &Control::default())).unwrap());
-                assert_eq!(all.ring_totals(), alone.ring_totals(), "{f:?}, {:?}", plan.road);
+                assert_eq!(all.ring_totals(), alone.ring_totals(), "{f:?}, {:?}", plan.method);
                 let dc = plan.waves.dc().unwrap();
                 for (at, q) in alone.mode_totals().q.into_iter().enumerate() {
                     let wanted = plan.rings.ring_of[at] > 0 || at == dc;

@@ -13,7 +13,7 @@ use pairwave::estimate::{
 };
 use pairwave::plan::{
     Accuracy, Bandwidth, BandwidthSearch, BinScale, Correction, CovariancePlan, Divisor, EnsembleShape, Kernel,
-    KernelPlan, KernelRoad, PairPlan, PairSettings, RadialBins, Rings, SmoothingKernel, WaveGrid,
+    KernelMethod, KernelPlan, PairPlan, PairSettings, RadialBins, Rings, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::samplers::{ParameterValues, find};
@@ -245,7 +245,7 @@ fn stretched(points: RawPoints, domain: &Domain) -> RawPoints {
     raw(dim, points.coordinates.iter().enumerate().map(|(i, x)| x * domain.sides()[i % dim]).collect())
 }
 
-/// A kernel plan for an ensemble; `mean_points` decides the road.
+/// A kernel plan for an ensemble; `mean_points` decides the method.
 fn kernel_plan(
     e: &Ensemble,
     kernel: Kernel,
@@ -263,7 +263,7 @@ fn cpu() -> Cpu {
 }
 
 fn direct(device: &dyn Compute, plan: &KernelPlan, e: &Ensemble) -> KernelEstimate {
-    assert_eq!(plan.road, KernelRoad::Direct);
+    assert_eq!(plan.method, KernelMethod::Direct);
     let sums = wait(device.kernel_sums(plan, e, &Control::default())).unwrap();
     KernelEstimate::new(plan, &sums, Normalization::Pairs)
 }
@@ -329,7 +329,7 @@ fn the_fast_direct_sum_is_the_reference() {
     }
 }
 
-/// Isotropic weights, and points with weights: both hands, both roads, and equal weights as if there were none.
+/// Isotropic weights, and points with weights: both backends, both methods, and equal weights as if there were none.
 #[test]
 fn kernel_sums_of_every_weight() {
     let window = Domain::window(&[(0.0, 1.0), (0.0, 1.5)]).unwrap();
@@ -392,7 +392,7 @@ fn binned_kernel_sums_keep_their_bound() {
         for shape in SHAPES {
             let kernel = Kernel { shape, bandwidth: 0.01 };
             let many = kernel_plan(&e, kernel, Divisor::R, &r, correction, 1e7);
-            assert_eq!((many.road, many.pairs.bins.scale()), (KernelRoad::Binned, BinScale::Linear));
+            assert_eq!((many.method, many.pairs.bins.scale()), (KernelMethod::Binned, BinScale::Linear));
             let binned = wait(binned_kernel_sums(&Reference, cpu().pool(), &many, &e, &Control::default())).unwrap();
             let binned = KernelEstimate::new(&many, &binned, Normalization::Pairs);
             let exact = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, correction, 400.0), &e);
@@ -412,18 +412,18 @@ fn binned_kernel_sums_keep_their_bound() {
 }
 
 #[test]
-fn the_road_is_the_affordable_one() {
+fn the_method_is_the_affordable_one() {
     let e = ensemble(&[uniform(2, 9, 1)]);
     let plan = |divisor, bandwidth, n, exact| {
         let kernel = Kernel { shape: SmoothingKernel::Gaussian, bandwidth };
         let shape = EnsembleShape { mean_points: n, max_points: n as u64, realizations: 1 };
-        KernelPlan::new(kernel, divisor, vec![0.1, 0.2], exact, e.domain(), Correction::None, shape).unwrap().road
+        KernelPlan::new(kernel, divisor, vec![0.1, 0.2], exact, e.domain(), Correction::None, shape).unwrap().method
     };
-    assert_eq!(plan(Divisor::R, 0.01, 1e4, false), KernelRoad::Direct);
-    assert_eq!(plan(Divisor::R, 0.01, 1e7, false), KernelRoad::Binned);
-    assert_eq!(plan(Divisor::R, 0.01, 1e7, true), KernelRoad::Direct, "asked for");
-    assert_eq!(plan(Divisor::D, 0.01, 1e7, false), KernelRoad::Direct, "1 / S(d) is not even over a bin at 0");
-    assert_eq!(plan(Divisor::R, 1e-6, 1e7, false), KernelRoad::Direct, "bins would be too coarse");
+    assert_eq!(plan(Divisor::R, 0.01, 1e4, false), KernelMethod::Direct);
+    assert_eq!(plan(Divisor::R, 0.01, 1e7, false), KernelMethod::Binned);
+    assert_eq!(plan(Divisor::R, 0.01, 1e7, true), KernelMethod::Direct, "asked for");
+    assert_eq!(plan(Divisor::D, 0.01, 1e7, false), KernelMethod::Direct, "1 / S(d) is not even over a bin at 0");
+    assert_eq!(plan(Divisor::R, 1e-6, 1e7, false), KernelMethod::Direct, "bins would be too coarse");
 }
 
 #[test]

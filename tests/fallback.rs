@@ -1,5 +1,5 @@
 //! What happens when a device cannot, or fails in the middle: the CPU path takes over, nothing is counted twice or lost
-//! (g is the same to the last bit, P up to the rounding of the hands that computed it), and the summary says so.
+//! (g is the same to the last bit, P up to the rounding of the backends that computed it), and the summary says so.
 
 mod common;
 
@@ -160,7 +160,7 @@ fn what_a_device_does_not_do_is_done_on_the_cpu_and_named() {
     assert!(found.warnings.contains(&"mortal knows no lags; done on the native CPU path".to_string()), "{found:?}");
 }
 
-/// The pairs between two classes are a difference, which must be of sums by one hand.
+/// The pairs between two classes are a difference, which must be of sums by one backend.
 #[test]
 fn a_device_lost_between_classes_leaves_no_mixture() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,7 +22,7 @@ use pairwave::estimate::{
     Neighbors, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use pairwave::plan::{
-    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelPlan, KernelRoad, NeighborPlan, PairPlan, PairSettings,
+    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelMethod, KernelPlan, NeighborPlan, PairPlan, PairSettings,
     RadialBins, Rings, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
@@ -459,7 +459,7 @@ fn tables_read_back_as_the_same_numbers() {
     a.findings.insert(KernelEstimate {
         kernel,
         divisor: Divisor::R,
-        road: KernelRoad::Binned,
+        method: KernelMethod::Binned,
         r,
         g: half.clone(),
         g_se: half,

@@ -14,7 +14,7 @@ use pairwave::estimate::{
     BandLaw, BlueNoise, LagConsistency, Normalization, PairCorrelation, PowerSpectrum, PsaStatistics, RadialSpectrum,
     SpectrumDetails, VectorCorrelation,
 };
-use pairwave::plan::{Accuracy, Correction, EnsembleShape, RadialBins, WaveGrid, WavePlan, WaveRoad};
+use pairwave::plan::{Accuracy, Correction, EnsembleShape, RadialBins, WaveGrid, WaveMethod, WavePlan};
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// Spectrum, rings and details of an ensemble, with g of distances and of lags, all by the fast path.
@@ -426,7 +426,8 @@ fn rings_alone_are_enough_or_nothing_is_said() {
     let mut rng = Rng(5);
     let points: Vec<f64> = (0..400).map(|j| rng.unit() * if j % 2 == 0 { 3.0 } else { 1.0 }).collect();
     let e = Ensemble::from_raw(&[raw(2, points)], &domain, false, 0).unwrap();
-    let whole = WavePlan { road: Some(WaveRoad::DirectF64), ..sectors(wave_plan(&e, &[60, 30], Accuracy::High), 18) };
+    let whole =
+        WavePlan { method: Some(WaveMethod::DirectF64), ..sectors(wave_plan(&e, &[60, 30], Accuracy::High), 18) };
     let rings = WavePlan { rings_only: true, ..whole.clone() };
     let cpu = Cpu::new(Some(1)).unwrap();
     let [whole, rings] =

@@ -1,4 +1,4 @@
-// Totals over chunks of what wave_settle left, as two-float sums. Joined with: shared/two_float.
+// Totals over chunks of what wave_carry left, as two-float sums. Joined with: shared/two_float.
 
 alias Real4 = vec4<f32>;
 

@@ -1,4 +1,4 @@
-// Totals over chunks of what wave_settle_f64 left.
+// Totals over chunks of what wave_carry_f64 left.
 
 alias Real4 = vec4<f64>;
 

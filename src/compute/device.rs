@@ -8,7 +8,7 @@ use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
 use crate::accumulate::{ComputedBy, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelPlan, KernelRoad, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::pool::{Pool, check_threads};
 use crate::request::DeviceChoice;
@@ -138,12 +138,12 @@ impl<'a> Session<'a> {
     /// By the method of the plan.
     pub(crate) async fn kernel_sums(&mut self, plan: &KernelPlan, ensemble: &Ensemble) -> Result<KernelSums> {
         let (control, pool) = (self.control, self.device.pool());
-        match plan.road {
-            KernelRoad::Binned => {
+        match plan.method {
+            KernelMethod::Binned => {
                 let binned = async |c: &dyn Compute| binned_kernel::kernel_sums(c, pool, plan, ensemble, control).await;
                 self.run(Work::Pairs(&plan.pairs), binned).await
             }
-            KernelRoad::Direct => {
+            KernelMethod::Direct => {
                 self.run(Work::Kernel(plan), async |c: &dyn Compute| c.kernel_sums(plan, ensemble, control).await).await
             }
         }

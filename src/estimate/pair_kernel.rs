@@ -3,7 +3,7 @@
 use super::Analysis;
 use super::{CrossValidation, ErrorSource, Normalization, ratio_standard_error};
 use crate::accumulate::KernelSums;
-use crate::plan::{Divisor, Kernel, KernelPlan, KernelRoad, sphere_surface};
+use crate::plan::{Divisor, Kernel, KernelMethod, KernelPlan, sphere_surface};
 
 /// `g(r) = |D| sum_k c_k(r) / (S(r) sum_k N)` over realizations k, with `c_k` their kernel sums, `S` the surface of the
 /// sphere of radius r (divisor r; for divisor d it is in the sums) and `N` as for `PairCorrelation`; see Illian et al. 2008,
@@ -16,7 +16,7 @@ pub struct KernelEstimate {
     /// What pairs were divided by.
     pub divisor: Divisor,
     /// How the sum was taken.
-    pub road: KernelRoad,
+    pub method: KernelMethod,
     /// Where g is estimated.
     pub r: Vec<f64>,
     /// g.
@@ -59,8 +59,8 @@ impl KernelEstimate {
             (Some(scale * totals.sums[k]), Some(scale * error))
         };
         let (g, g_se) = plan.r.iter().enumerate().map(at).unzip();
-        let (kernel, divisor, road) = (plan.kernel, plan.divisor, plan.road);
-        Self { kernel, divisor, road, r: plan.r.clone(), g, g_se, errors, bound, cross_validation: None }
+        let (kernel, divisor, method) = (plan.kernel, plan.divisor, plan.method);
+        Self { kernel, divisor, method, r: plan.r.clone(), g, g_se, errors, bound, cross_validation: None }
     }
 }
 

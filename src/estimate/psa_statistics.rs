@@ -1,4 +1,4 @@
-//! Effective Nyquist frequency and oscillations by the road of the program PSA: not from P, but from a smoothed P that is the
+//! Effective Nyquist frequency and oscillations in the way of the program PSA: not from P, but from a smoothed P that is the
 //! transform of the pair counts.
 //! See `docs/spectrum-scalars.md`.
 

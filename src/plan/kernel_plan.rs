@@ -31,7 +31,7 @@ const AFFORDABLE: f64 = 4e9;
 /// How the sum over pairs is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum KernelRoad {
+pub enum KernelMethod {
     /// Pair by pair.
     Direct,
     /// From exact counts in fine bins.
@@ -49,8 +49,8 @@ pub struct KernelPlan {
     pub r: Vec<f64>,
     /// Whether the direct sum was asked for.
     pub exact: bool,
-    /// The road taken.
-    pub road: KernelRoad,
+    /// The method taken.
+    pub method: KernelMethod,
     /// The fine bins, or a single bin that holds every pair a kernel reaches.
     pub pairs: PairPlan,
 }
@@ -65,7 +65,7 @@ pub(super) fn longest_distance(domain: &Domain, correction: Correction) -> f64 {
 }
 
 impl KernelPlan {
-    /// Checks the bandwidth and the correction, and decides the road: the direct sum where it is affordable, or no dearer
+    /// Checks the bandwidth and the correction, and decides the method: the direct sum where it is affordable, or no dearer
     /// than counting into the fine bins of every realization and smoothing them, or the only one (divisor d, where bins at
     /// 0 would not do; very small bandwidths).
     pub fn new(
@@ -90,7 +90,7 @@ impl KernelPlan {
         let last = r.last().copied().unwrap_or(0.0);
         let range = (last + kernel.reach()).min(longest_distance(domain, settings.correction));
         let pairs = |bins| PairPlan::new(domain, RadialBins::linear(range, bins)?, settings, shape);
-        let mut plan = Self { kernel, divisor, r, exact, road: KernelRoad::Direct, pairs: pairs(1)? };
+        let mut plan = Self { kernel, divisor, r, exact, method: KernelMethod::Direct, pairs: pairs(1)? };
         let per_bandwidth = FINE.min(MAX_FINE_BINS * kernel.bandwidth / range);
         if exact || divisor == Divisor::D || per_bandwidth < COARSEST {
             return Ok(plan);
@@ -98,7 +98,7 @@ impl KernelPlan {
         let bins = (range / kernel.bandwidth * per_bandwidth).ceil();
         let smoothing = shape.realizations as f64 * plan.r.len() as f64 * bins.min(2.0 * kernel.reach() / range * bins);
         if plan.cost() > AFFORDABLE.max(smoothing + COUNTING * plan.pairs.pairs()) {
-            plan.road = KernelRoad::Binned;
+            plan.method = KernelMethod::Binned;
             plan.pairs = pairs(bins as usize)?;
         }
         Ok(plan)
@@ -154,12 +154,12 @@ impl fmt::Display for KernelPlan {
         };
         let Kernel { shape, bandwidth } = self.kernel;
         writeln!(f, "kernel estimate: {shape:?}, bandwidth {bandwidth}, divisor {divisor}")?;
-        match self.road {
-            KernelRoad::Direct => {
+        match self.method {
+            KernelMethod::Direct => {
                 let (looked, values) = (self.looked_at(), self.values());
                 writeln!(f, "  direct sum in f64 on the CPU: {looked:.3e} pairs looked at, {values:.3e} kernel values")
             }
-            KernelRoad::Binned => {
+            KernelMethod::Binned => {
                 let values = self.values();
                 writeln!(
                     f,

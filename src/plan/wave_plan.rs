@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::{
-    Accuracy, Batch, Convention, EnsembleShape, RING_DIRECTIONS_RULE, Rings, RoadEstimate, Sectors, TaperPlan,
-    WaveCosts, WaveRoad, WaveVectors,
+    Accuracy, Batch, Convention, EnsembleShape, MethodEstimate, RING_DIRECTIONS_RULE, Rings, Sectors, TaperPlan,
+    WaveCosts, WaveMethod, WaveVectors,
 };
 use crate::error::{Error, Result, numbers};
 use crate::points::Domain;
@@ -29,10 +29,10 @@ pub struct WavePlan {
     pub rings_only: bool,
     /// The promise to keep.
     pub accuracy: Accuracy,
-    /// What the roads to it cost, by which each realization gets the fastest for its number of points.
+    /// What the methods to it cost, by which each realization gets the fastest for its number of points.
     pub costs: WaveCosts,
-    /// The road of all realizations instead.
-    pub road: Option<WaveRoad>,
+    /// The method of all realizations instead.
+    pub method: Option<WaveMethod>,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -69,15 +69,15 @@ impl WavePlan {
             rings_only: false,
             accuracy,
             costs: WaveCosts::CPU,
-            road: None,
+            method: None,
             shape,
             batch,
         })
     }
 
-    /// The roads there are for a realization of `n` points, with estimates.
-    pub fn roads(&self, n: f64) -> Vec<RoadEstimate> {
-        WaveRoad::alternatives(&self.waves, self.accuracy, self.share(), n, &self.costs)
+    /// The methods there are for a realization of `n` points, with estimates.
+    pub fn methods(&self, n: f64) -> Vec<MethodEstimate> {
+        WaveMethod::alternatives(&self.waves, self.accuracy, self.share(), n, &self.costs)
     }
 
     /// The part of the stored modes that is needed.
@@ -86,13 +86,13 @@ impl WavePlan {
         self.needed().map_or(1.0, in_rings)
     }
 
-    /// The road of a realization of `n` points. It depends on nothing else of the ensemble, so that the parts of a batch,
+    /// The method of a realization of `n` points. It depends on nothing else of the ensemble, so that the parts of a batch,
     /// each computed by itself, are summed as in the whole.
-    pub fn road(&self, n: usize) -> WaveRoad {
-        self.road.unwrap_or_else(|| {
-            let all = self.roads(n as f64);
+    pub fn method(&self, n: usize) -> WaveMethod {
+        self.method.unwrap_or_else(|| {
+            let all = self.methods(n as f64);
             let best = all.into_iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-            best.map_or(WaveRoad::DirectF64, |best| best.road)
+            best.map_or(WaveMethod::DirectF64, |best| best.method)
         })
     }
 
@@ -140,12 +140,12 @@ impl fmt::Display for WavePlan {
         let accuracy = self.accuracy.name();
         writeln!(f, "  accuracy {accuracy}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points")?;
         let (n, share) = (self.shape.mean_points, self.share());
-        let road = self.road(n.round() as usize).name();
-        writeln!(f, "  road: {road} for {n} points; on {}, one realization:", self.costs.device)?;
-        for road in WaveRoad::ALL {
-            match road.estimate(&self.waves, self.accuracy, share, n, &self.costs) {
+        let method = self.method(n.round() as usize).name();
+        writeln!(f, "  road: {method} for {n} points; on {}, one realization:", self.costs.device)?;
+        for method in WaveMethod::ALL {
+            match method.estimate(&self.waves, self.accuracy, share, n, &self.costs) {
                 Ok(estimate) => writeln!(f, "    {estimate}")?,
-                Err(why) => writeln!(f, "    {} {why}", road.name())?,
+                Err(why) => writeln!(f, "    {} {why}", method.name())?,
             }
         }
         if let Some(taper) = &self.taper {

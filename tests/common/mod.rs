@@ -264,7 +264,7 @@ pub fn reference_lags(plan: &LagPlan, ensemble: &Ensemble) -> LagCounts {
     wait(Reference.lag_counts(plan, ensemble, &Control::default())).unwrap()
 }
 
-/// Equal integers from different hands, or what differs.
+/// Equal integers from different backends, or what differs.
 pub fn lags_agree(a: &LagCounts, b: &LagCounts) -> Result<(), String> {
     if a.computed_by.backends == b.computed_by.backends {
         return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));
@@ -335,7 +335,7 @@ pub fn reference_power(plan: &WavePlan, ensemble: &Ensemble) -> WavePower {
     wait(Reference.wave_power(plan, ensemble, &Control::default())).unwrap()
 }
 
-/// Equal integers from different hands, or what differs.
+/// Equal integers from different backends, or what differs.
 pub fn counts_agree(a: &PairCounts, b: &PairCounts) -> Result<(), String> {
     if a.computed_by.backends == b.computed_by.backends {
         return Err(format!("both sides were computed by {:?}: that compares nothing", a.computed_by.backends));

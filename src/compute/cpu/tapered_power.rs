@@ -33,14 +33,14 @@ pub(super) fn tapered_power(
             }
             amplitudes(cpu, &plan.waves, &axes, Some(&tapered), &mut of_taper, control)?;
             let mean = |m: usize| taper.transform(orders, plan.waves.vector(m), dim).map(|f| total * f);
-            let modes = power.iter_mut().zip(&of_taper).enumerate();
+            let modes = power.iter_mut().zip(&of_taper);
             match taper.debias {
-                Debias::None => modes.for_each(|(_, (q, [re, im]))| *q += re * re + im * im),
-                Debias::Direct => modes.for_each(|(m, (q, [re, im]))| {
+                Debias::None => modes.for_each(|(q, [re, im])| *q += re * re + im * im),
+                Debias::Direct => modes.enumerate().for_each(|(m, (q, [re, im]))| {
                     let [mean_re, mean_im] = mean(m);
                     *q += (re - mean_re).powi(2) + (im - mean_im).powi(2);
                 }),
-                Debias::Undirect => modes.for_each(|(m, (q, [re, im]))| {
+                Debias::Undirect => modes.enumerate().for_each(|(m, (q, [re, im]))| {
                     let [mean_re, mean_im] = mean(m);
                     *q += re * re + im * im - mean_re * mean_re - mean_im * mean_im;
                 }),

@@ -17,7 +17,7 @@ use crate::compute::compensated::total;
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{MEMORY_BUDGET, WavePlan, WaveRoad, WaveVectors};
+use crate::plan::{MEMORY_BUDGET, WaveMethod, WavePlan, WaveVectors};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -54,7 +54,7 @@ impl<'a> Points<'a> {
 }
 
 /// A way to sum the modes of a spectrum, cut into parts that threads take. A sum does not depend on the cut.
-pub(super) trait Road: Sync {
+pub(super) trait Method: Sync {
     /// What a thread keeps from part to part.
     type Scratch: Default + Send;
 
@@ -73,7 +73,7 @@ pub(super) trait Road: Sync {
 }
 
 /// A spectrum's sums by any of them.
-enum AnyRoad<'a> {
+enum AnyMethod<'a> {
     F32(Product<'a, f32>),
     F64(Product<'a, f64>),
     Terms(Terms<'a>),
@@ -89,13 +89,17 @@ struct Scratch {
     nufft: nufft::Scratch,
 }
 
-impl<'a> AnyRoad<'a> {
-    fn new(cpu: &Cpu, plan: &'a WavePlan, (road, points): RoadKey, parts: usize) -> Result<Self> {
-        Ok(match (&plan.waves, road) {
+impl<'a> AnyMethod<'a> {
+    fn new(cpu: &Cpu, plan: &'a WavePlan, (method, points): MethodKey, parts: usize) -> Result<Self> {
+        Ok(match (&plan.waves, method) {
             (WaveVectors::List(list), _) => Self::Terms(Terms::new(cpu, list)),
-            (WaveVectors::Grid(grid), WaveRoad::DirectF32) => Self::F32(Product::new(cpu, grid, plan.needed(), parts)),
-            (WaveVectors::Grid(grid), WaveRoad::DirectF64) => Self::F64(Product::new(cpu, grid, plan.needed(), parts)),
-            (WaveVectors::Grid(grid), WaveRoad::Nufft) => {
+            (WaveVectors::Grid(grid), WaveMethod::DirectF32) => {
+                Self::F32(Product::new(cpu, grid, plan.needed(), parts))
+            }
+            (WaveVectors::Grid(grid), WaveMethod::DirectF64) => {
+                Self::F64(Product::new(cpu, grid, plan.needed(), parts))
+            }
+            (WaveVectors::Grid(grid), WaveMethod::Nufft) => {
                 Self::Nufft(cpu.nuffts.get(grid, plan.accuracy.nufft_tolerance(), points, cpu.level())?, grid.dc())
             }
         })
@@ -104,9 +108,9 @@ impl<'a> AnyRoad<'a> {
     /// Number of parts that threads can share; none, if they share the whole otherwise.
     fn parts(&self) -> usize {
         match self {
-            Self::F32(road) => road.parts(),
-            Self::F64(road) => road.parts(),
-            Self::Terms(road) => road.parts(),
+            Self::F32(method) => method.parts(),
+            Self::F64(method) => method.parts(),
+            Self::Terms(method) => method.parts(),
             Self::Nufft(..) => 0,
         }
     }
@@ -122,9 +126,9 @@ impl<'a> AnyRoad<'a> {
     ) -> Result<()> {
         let put = |at, [re, im]: [f64; 2]| put(at, re * re + im * im);
         match self {
-            Self::F32(road) => road.sum(part, points, &mut scratch.f32, control, put),
-            Self::F64(road) => road.sum(part, points, &mut scratch.f64, control, put),
-            Self::Terms(road) => road.sum(part, points, &mut (), control, put),
+            Self::F32(method) => method.sum(part, points, &mut scratch.f32, control, put),
+            Self::F64(method) => method.sum(part, points, &mut scratch.f64, control, put),
+            Self::Terms(method) => method.sum(part, points, &mut (), control, put),
             Self::Nufft(..) => Ok(()),
         }
     }
@@ -153,16 +157,16 @@ impl<'a> AnyRoad<'a> {
     }
 }
 
-/// A road, and about how many points it is made for, where that matters.
-type RoadKey = (WaveRoad, usize);
+/// A method, and about how many points it is made for, where that matters.
+type MethodKey = (WaveMethod, usize);
 
 pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
-    // To choose a road is to look at every mode: once per number of points.
+    // To choose a method is to look at every mode: once per number of points.
     let mut known = HashMap::new();
     let keys = (0..ensemble.realizations()).map(|k| {
         let n = ensemble.points_in(k);
-        *known.entry(n).or_insert_with(|| match plan.road(n) {
-            WaveRoad::Nufft => (WaveRoad::Nufft, WaveRoad::about(n as f64) as usize),
+        *known.entry(n).or_insert_with(|| match plan.method(n) {
+            WaveMethod::Nufft => (WaveMethod::Nufft, WaveMethod::about(n as f64) as usize),
             direct => (direct, 0),
         })
     });
@@ -188,10 +192,10 @@ pub(super) fn amplitudes(
     }
 }
 
-fn fill<R: Road>(cpu: &Cpu, road: &R, points: &Points<'_>, out: &mut [[f64; 2]], control: &Control) -> Result<()> {
-    if cpu.pool.is_within() || road.parts() == 1 {
+fn fill<R: Method>(cpu: &Cpu, method: &R, points: &Points<'_>, out: &mut [[f64; 2]], control: &Control) -> Result<()> {
+    if cpu.pool.is_within() || method.parts() == 1 {
         let mut scratch = R::Scratch::default();
-        return (0..road.parts()).try_for_each(|p| road.sum(p, points, &mut scratch, control, |at, s| out[at] = s));
+        return (0..method.parts()).try_for_each(|p| method.sum(p, points, &mut scratch, control, |at, s| out[at] = s));
     }
     let (next, out) = (AtomicUsize::new(0), Mutex::new(out));
     let results = cpu.pool.broadcast(|_| {
@@ -199,11 +203,11 @@ fn fill<R: Road>(cpu: &Cpu, road: &R, points: &Points<'_>, out: &mut [[f64; 2]],
         loop {
             control.check()?;
             let part = next.fetch_add(1, Ordering::Relaxed);
-            if part >= road.parts() {
+            if part >= method.parts() {
                 return Ok(());
             }
             let mut sums = Vec::new();
-            road.sum(part, points, &mut scratch, control, |at, s| sums.push((at, s)))?;
+            method.sum(part, points, &mut scratch, control, |at, s| sums.push((at, s)))?;
             let mut out = out.lock().unwrap_or_else(PoisonError::into_inner);
             sums.into_iter().for_each(|(at, s)| out[at] = s);
         }
@@ -221,8 +225,8 @@ struct Job<'a> {
     plan: &'a WavePlan,
     ensemble: &'a Ensemble,
     control: &'a Control,
-    /// The road of each realization.
-    keys: Vec<RoadKey>,
+    /// The method of each realization.
+    keys: Vec<MethodKey>,
 }
 
 impl Job<'_> {
@@ -243,13 +247,13 @@ impl Job<'_> {
     fn run(&self) -> Result<WavePower> {
         let threads = self.cpu.threads() as u64;
         let leaves = self.leaves();
-        let roads = self.roads(1)?;
+        let methods = self.methods(1)?;
         // A leaf in the making is three sums per mode beside the spectrum.
         let weighted = self.ensemble.weights(0).is_some();
-        let scratch = roads.iter().map(|((_, n), road)| road.bytes(*n, weighted)).max().unwrap_or(0);
+        let scratch = methods.iter().map(|((_, n), method)| method.bytes(*n, weighted)).max().unwrap_or(0);
         let fits = threads * (4 * self.spectrum_bytes() + scratch) <= MEMORY_BUDGET;
         if fits && (threads == 1 || leaves.len() as u64 >= 2 * threads) {
-            return self.by_leaf(&leaves, &roads);
+            return self.by_leaf(&leaves, &methods);
         }
         self.by_part()
     }
@@ -258,19 +262,19 @@ impl Job<'_> {
         self.plan.waves.len() as u64 * 8
     }
 
-    /// The roads that realizations take, made for a number of parts.
-    fn roads(&self, parts: usize) -> Result<HashMap<RoadKey, AnyRoad<'_>>> {
-        let mut roads = HashMap::new();
+    /// The methods that realizations take, made for a number of parts.
+    fn methods(&self, parts: usize) -> Result<HashMap<MethodKey, AnyMethod<'_>>> {
+        let mut methods = HashMap::new();
         for k in 0..self.ensemble.realizations() {
-            if let Entry::Vacant(road) = roads.entry(self.keys[k]) {
-                road.insert(AnyRoad::new(self.cpu, self.plan, self.keys[k], parts)?);
+            if let Entry::Vacant(method) = methods.entry(self.keys[k]) {
+                method.insert(AnyMethod::new(self.cpu, self.plan, self.keys[k], parts)?);
             }
         }
-        Ok(roads)
+        Ok(methods)
     }
 
     /// Many realizations: one thread per leaf of the ordered sum, so that nothing is left to one thread alone.
-    fn by_leaf(&self, leaves: &[Range<usize>], roads: &HashMap<RoadKey, AnyRoad<'_>>) -> Result<WavePower> {
+    fn by_leaf(&self, leaves: &[Range<usize>], methods: &HashMap<MethodKey, AnyMethod<'_>>) -> Result<WavePower> {
         let sums = Mutex::new(self.new_sums());
         let next = AtomicUsize::new(0);
         let results = self.cpu.pool.broadcast(|_| {
@@ -282,7 +286,7 @@ impl Job<'_> {
                 let mut sum = self.new_sums();
                 for k in leaf.clone() {
                     let points = Points::of(self.ensemble, k);
-                    roads[&self.keys[k]].whole(&points, &mut scratch, None, self.control, &mut power)?;
+                    methods[&self.keys[k]].whole(&points, &mut scratch, None, self.control, &mut power)?;
                     self.add(&mut sum, k, &mut power);
                 }
                 sum.close_leaf();
@@ -301,9 +305,9 @@ impl Job<'_> {
         let at_once = (MEMORY_BUDGET / self.spectrum_bytes().max(1)).clamp(1, threads as u64) as usize;
         for start in (0..realizations).step_by(at_once) {
             let wave = start..(start + at_once).min(realizations);
-            let roads = self.roads(parts_wanted(self.cpu, wave.len()))?;
+            let methods = self.methods(parts_wanted(self.cpu, wave.len()))?;
             let mut powers: Vec<_> = wave.clone().map(|_| Mutex::new(vec![0.0; modes])).collect();
-            let of = |k: usize| &roads[&self.keys[k]];
+            let of = |k: usize| &methods[&self.keys[k]];
             let tasks: Vec<_> = wave.clone().flat_map(|k| (0..of(k).parts()).map(move |part| (k, part))).collect();
             let next = AtomicUsize::new(0);
             let results = self.cpu.pool.broadcast(|_| {
@@ -335,7 +339,7 @@ impl Job<'_> {
     /// Adds realization `k`.
     fn add(&self, sums: &mut WavePower, k: usize, power: &mut [f64]) {
         if let Some(rings) = self.plan.needed() {
-            // What a road may or may not compute, nobody sees.
+            // What a method may or may not compute, nobody sees.
             let dc = self.plan.waves.dc();
             let outside = rings.iter().enumerate().filter(|&(at, &ring)| ring == 0 && Some(at) != dc);
             outside.for_each(|(at, _)| power[at] = 0.0);

@@ -17,7 +17,7 @@ use super::Cpu;
 use super::phase_tables::{GROUP, Panel, Table, place};
 use super::product::{Element, FEWEST_POINTS, Operand, product};
 use super::simd::{self, SimdLevel};
-use super::wave_power::{Points, Road};
+use super::wave_power::{Method, Points};
 use crate::compute::coprime_from;
 use crate::control::Control;
 use crate::error::Result;
@@ -65,7 +65,7 @@ impl<'a, T: Real> Product<'a, T> {
     }
 }
 
-impl<T: Real> Road for Product<'_, T> {
+impl<T: Real> Method for Product<'_, T> {
     type Scratch = Scratch<T>;
 
     fn parts(&self) -> usize {

@@ -6,7 +6,7 @@
 
 use super::phase_tables::turn_f64;
 use super::simd;
-use super::wave_power::{Points, Road};
+use super::wave_power::{Method, Points};
 use super::{Cpu, SimdLevel};
 use crate::control::Control;
 use crate::error::Result;
@@ -48,7 +48,7 @@ impl<'a> Terms<'a> {
     }
 }
 
-impl Road for Terms<'_> {
+impl Method for Terms<'_> {
     type Scratch = ();
 
     fn parts(&self) -> usize {

@@ -50,8 +50,8 @@ shader_files! {
     WAVE_TYPES = "shared/wave_types.wgsl";
     WAVE_UNWEIGHTED = "shared/wave_unweighted.wgsl";
     WAVE_WEIGHTED = "shared/wave_weighted.wgsl";
-    WAVE_SETTLE = "shared/wave_settle.wgsl";
-    WAVE_SETTLE_F64 = "shared/wave_settle_f64.wgsl";
+    WAVE_CARRY = "shared/wave_carry.wgsl";
+    WAVE_CARRY_F64 = "shared/wave_carry_f64.wgsl";
     WAVE_TOTAL = "shared/wave_total.wgsl";
     WAVE_TOTAL_F64 = "shared/wave_total_f64.wgsl";
     WAVE_POWER = "wave_power.wgsl";

@@ -10,11 +10,11 @@ pub(super) const FOLD_NAME: &str = "wave_power_fold";
 pub(super) const BLOCK: u32 = 4;
 /// Workgroup memory for tables: what every WebGPU device has.
 const TABLE_BYTES: u32 = 16 << 10;
-/// Points summed in plain f32: the error of P grows with the square root of this, the cost of settling with its inverse.
+/// Points summed in plain f32: the error of P grows with the square root of this, the cost of carrying with its inverse.
 pub(super) const PANEL: u32 = 64;
 /// Chunks of points a realization is cut into: enough for the largest devices, as long as a chunk repays its sums.
 const CHUNKS: usize = 128;
-/// Least and largest number of points of a chunk. The steps of `wave_settle.wgsl` are counted in i32 up to the latter.
+/// Least and largest number of points of a chunk. The steps of `wave_carry.wgsl` are counted in i32 up to the latter.
 const CHUNK: [usize; 2] = [1024, 32_768];
 pub(super) const FOLD_WORKGROUP: u32 = 64;
 pub(super) const LISTS: &str = "lists of wave vectors have no GPU kernel";
@@ -76,10 +76,10 @@ impl Blocks {
 
 /// The product kernel for a grid, cut into blocks.
 pub(super) fn product(blocks: &Blocks, grid: &WaveGrid, accuracy: Accuracy, weighted: bool) -> KernelSpec {
-    let (phase, settle, real_bytes, panel) = match accuracy {
-        Accuracy::Fast => (kernel::PHASE, kernel::WAVE_SETTLE, 4, PANEL),
+    let (phase, carry, real_bytes, panel) = match accuracy {
+        Accuracy::Fast => (kernel::PHASE, kernel::WAVE_CARRY, 4, PANEL),
         // No panels within a chunk.
-        Accuracy::High => (kernel::PHASE_F64, kernel::WAVE_SETTLE_F64, 8, CHUNK[1] as u32),
+        Accuracy::High => (kernel::PHASE_F64, kernel::WAVE_CARRY_F64, 8, CHUNK[1] as u32),
     };
     let (weights, bindings) =
         if weighted { (kernel::WAVE_WEIGHTED, WAVE_POWER_WEIGHTED) } else { (kernel::WAVE_UNWEIGHTED, WAVE_POWER) };
@@ -87,7 +87,7 @@ pub(super) fn product(blocks: &Blocks, grid: &WaveGrid, accuracy: Accuracy, weig
     let tile = TABLE_BYTES / (2 * BLOCK * real_bytes * entries);
     KernelSpec {
         name: NAME,
-        files: vec![phase, kernel::WAVE_TYPES, settle, weights, kernel::WAVE_POWER],
+        files: vec![phase, kernel::WAVE_TYPES, carry, weights, kernel::WAVE_POWER],
         overrides: vec![
             ("DIM", grid.dim() as u32),
             ("ROW_LANES", blocks.row_lanes),

@@ -101,7 +101,7 @@ impl Group for Smoothed {
             "kernel": plan.kernel,
             "divisor": plan.divisor,
             "r": digest(plan.r.iter().copied()),
-            "method": plan.road,
+            "method": plan.method,
             "pairs": identity(&plan.pairs),
             "bandwidth": if self.searched { "to be found" } else { "given" },
         })

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::estimate::{Analysis, CrossValidation, ErrorSource, Normalization};
-use crate::plan::{Correction, Divisor, Kernel, KernelRoad};
+use crate::plan::{Correction, Divisor, Kernel, KernelMethod};
 
 #[derive(Serialize)]
 pub(super) struct PairCorrelationOut {
@@ -37,7 +37,8 @@ pub(super) struct KernelOut {
     #[serde(flatten)]
     kernel: Kernel,
     divisor: Divisor,
-    road: KernelRoad,
+    #[serde(rename = "road")]
+    method: KernelMethod,
     /// On the difference of any g from the direct sum.
     bound: f64,
     errors: ErrorSource,
@@ -55,7 +56,7 @@ pub(super) fn pair_correlation(a: &Analysis) -> Option<PairCorrelationOut> {
         kernel: a.kernel().map(|k| KernelOut {
             kernel: k.kernel,
             divisor: k.divisor,
-            road: k.road,
+            method: k.method,
             bound: k.bound,
             errors: k.errors,
             cross_validation: k.cross_validation,

@@ -175,7 +175,7 @@ impl Group for Waves {
         // More than is wanted, by the same methods.
         let trimmed =
             Self { plan: WavePlan { rings_only: wanted.plan.rings_only, ..self.plan.clone() }, ..self.clone() };
-        let by = |n: u64| self.plan.road(n as usize) == wanted.plan.road(n as usize);
+        let by = |n: u64| self.plan.method(n as usize) == wanted.plan.method(n as usize);
         let holds = wanted.plan.rings_only && Group::identity(&trimmed) == Group::identity(wanted);
         let distinct: HashSet<u64> = sizes.collect();
         (holds && distinct.into_iter().all(by)).then(|| Kept {

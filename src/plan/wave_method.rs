@@ -7,7 +7,7 @@ use super::{Accuracy, MEMORY_BUDGET, NufftCosts, NufftSizes, WaveGrid, WaveVecto
 /// How `s_m` is summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum WaveRoad {
+pub enum WaveMethod {
     /// By the definition, separably, tables and panels in f32.
     DirectF32,
     /// The same in f64; term by term for a list.
@@ -16,16 +16,16 @@ pub enum WaveRoad {
     Nufft,
 }
 
-/// A road, and what it would take for one realization.
+/// A method, and what it would take for one realization.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoadEstimate {
-    /// The road.
-    pub road: WaveRoad,
+pub struct MethodEstimate {
+    /// The method.
+    pub method: WaveMethod,
     /// Seconds on the machine that the costs are of.
     pub seconds: f64,
 }
 
-/// What the parts of a road take on a device, in nanoseconds of one thread (a GPU as a whole counts as one).
+/// What the parts of a method take on a device, in nanoseconds of one thread (a GPU as a whole counts as one).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaveCosts {
     /// The device, in words.
@@ -79,11 +79,11 @@ impl WaveCosts {
     };
 }
 
-impl WaveRoad {
+impl WaveMethod {
     /// All there are.
     pub const ALL: [Self; 3] = [Self::DirectF32, Self::DirectF64, Self::Nufft];
 
-    /// The roads that keep the promise, and that fit into memory, with estimates for a realization of `n` points. `share`
+    /// The methods that keep the promise, and that fit into memory, with estimates for a realization of `n` points. `share`
     /// is the part of a grid's modes that is needed.
     pub fn alternatives(
         waves: &WaveVectors,
@@ -91,8 +91,8 @@ impl WaveRoad {
         share: f64,
         n: f64,
         costs: &WaveCosts,
-    ) -> Vec<RoadEstimate> {
-        Self::ALL.into_iter().filter_map(|road| road.estimate(waves, accuracy, share, n, costs).ok()).collect()
+    ) -> Vec<MethodEstimate> {
+        Self::ALL.into_iter().filter_map(|method| method.estimate(waves, accuracy, share, n, costs).ok()).collect()
     }
 
     /// The estimate of one of them, or why it is none.
@@ -103,7 +103,7 @@ impl WaveRoad {
         share: f64,
         n: f64,
         costs: &WaveCosts,
-    ) -> Result<RoadEstimate, &'static str> {
+    ) -> Result<MethodEstimate, &'static str> {
         let nanoseconds = match (self, waves) {
             (Self::DirectF64, WaveVectors::List(list)) => n * list.vectors.len() as f64 * costs.term,
             (_, WaveVectors::List(_)) => return Err("is for grids, not for lists of wave vectors"),
@@ -120,7 +120,7 @@ impl WaveRoad {
                 costs.nanoseconds(&sizes, n)
             }
         };
-        Ok(RoadEstimate { road: self, seconds: 1e-9 * nanoseconds })
+        Ok(MethodEstimate { method: self, seconds: 1e-9 * nanoseconds })
     }
 
     /// The number of points that a transform of `n` is made for: a power of two, so that few are made.
@@ -156,9 +156,9 @@ impl ProductCosts {
     }
 }
 
-impl fmt::Display for RoadEstimate {
+impl fmt::Display for MethodEstimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} about {:.2e} s", self.road.name(), self.seconds)
+        write!(f, "{} about {:.2e} s", self.method.name(), self.seconds)
     }
 }
 
@@ -168,20 +168,20 @@ mod tests {
     use crate::plan::WaveList;
 
     #[test]
-    fn what_is_no_road_says_why() {
+    fn what_is_no_method_says_why() {
         let grid = |f: u32| WaveVectors::from(WaveGrid::new(&[f, f]).unwrap());
-        let why = |road: WaveRoad, waves: &WaveVectors, accuracy, costs: &WaveCosts| {
-            road.estimate(waves, accuracy, 1.0, 1000.0, costs).err()
+        let why = |method: WaveMethod, waves: &WaveVectors, accuracy, costs: &WaveCosts| {
+            method.estimate(waves, accuracy, 1.0, 1000.0, costs).err()
         };
         let (fast, high, cpu) = (Accuracy::Fast, Accuracy::High, WaveCosts::CPU);
-        assert!(WaveRoad::ALL.iter().all(|&road| why(road, &grid(64), fast, &cpu).is_none()));
-        assert_eq!(why(WaveRoad::DirectF32, &grid(64), high, &cpu), Some("does not keep the promise"));
-        assert_eq!(why(WaveRoad::Nufft, &grid(64), fast, &WaveCosts::GPU), Some("is for the CPU alone"));
-        assert_eq!(why(WaveRoad::Nufft, &grid(11_000), high, &cpu), Some("does not fit into memory"));
+        assert!(WaveMethod::ALL.iter().all(|&method| why(method, &grid(64), fast, &cpu).is_none()));
+        assert_eq!(why(WaveMethod::DirectF32, &grid(64), high, &cpu), Some("does not keep the promise"));
+        assert_eq!(why(WaveMethod::Nufft, &grid(64), fast, &WaveCosts::GPU), Some("is for the CPU alone"));
+        assert_eq!(why(WaveMethod::Nufft, &grid(11_000), high, &cpu), Some("does not fit into memory"));
         let list = WaveList { dim: 2, vectors: vec![[1.0, 2.0, 0.0]], mirrored: false }.into();
-        for road in [WaveRoad::DirectF32, WaveRoad::Nufft] {
-            assert_eq!(why(road, &list, fast, &cpu), Some("is for grids, not for lists of wave vectors"));
+        for method in [WaveMethod::DirectF32, WaveMethod::Nufft] {
+            assert_eq!(why(method, &list, fast, &cpu), Some("is for grids, not for lists of wave vectors"));
         }
-        assert_eq!(WaveRoad::alternatives(&list, fast, 1.0, 1000.0, &cpu).len(), 1);
+        assert_eq!(WaveMethod::alternatives(&list, fast, 1.0, 1000.0, &cpu).len(), 1);
     }
 }

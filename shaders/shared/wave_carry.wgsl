@@ -5,7 +5,7 @@
 // Of each workgroup, SLOTS * WORKGROUP integers in steps of 2^-15, then as many rests: the bits of f32.
 @group(0) @binding(3) var<storage, read_write> sums: array<vec4<i32>>;
 
-struct Settlement {
+struct Carry {
     group: u32,
     lane: u32,
     // The chunk's first panel, and its last.
@@ -13,7 +13,7 @@ struct Settlement {
     last: bool,
 }
 
-fn settle(at: Settlement, slot: u32, sum: vec4<f32>) -> vec4<f32> {
+fn carry(at: Carry, slot: u32, sum: vec4<f32>) -> vec4<f32> {
     let place = (at.group * 2u * SLOTS + slot) * WORKGROUP + at.lane;
     // Numbers next to 384 are multiples of 2^-15. A compiler that knew them would take (sum + 384) - 384 for sum.
     let near = bitcast<vec4<u32>>(sum + vec4<f32>(384.0)) ^ vec4<u32>(params.zero);

@@ -3,7 +3,7 @@
 // Of each workgroup, SLOTS * WORKGROUP.
 @group(0) @binding(3) var<storage, read_write> sums: array<vec4<f64>>;
 
-struct Settlement {
+struct Carry {
     group: u32,
     lane: u32,
     // The chunk's first panel, and its last.
@@ -11,7 +11,7 @@ struct Settlement {
     last: bool,
 }
 
-fn settle(at: Settlement, slot: u32, sum: vec4<f64>) -> vec4<f64> {
+fn carry(at: Carry, slot: u32, sum: vec4<f64>) -> vec4<f64> {
     if (at.last) {
         sums[(at.group * SLOTS + slot) * WORKGROUP + at.lane] = sum;
     }
