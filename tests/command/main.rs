@@ -11,7 +11,6 @@ mod errors;
 mod listings;
 mod pair_correlation;
 mod power_spectrum;
-mod readme;
 mod request;
 mod shared;
 mod taper;
