@@ -9,7 +9,8 @@
 //!
 //! `Ensemble` holds realizations as 64-bit fixed-point fractions; `PairPlan` and `WavePlan` are everything decided before
 //! the work; `Compute` turns both into raw sums, `PairCounts` and `WavePower`, which merge; `PairCorrelation`,
-//! `PowerSpectrum` and `RadialSpectrum` are the numbers with their errors. `analysis::run` does all of it.
+//! `PowerSpectrum` and `RadialSpectrum` are the numbers with their errors. `analysis::run` does all of it, and an `Analysis`
+//! is all that it found: `display` says how it is shown, `report` writes it.
 //!
 //! Conventions: frequencies are integer wave vectors m in cycles per side, `s_m = sum_j exp(-2 pi i m.x_j / L)`; pairs are
 //! ordered; bins are half-open; lengths are in the domain's own unit.

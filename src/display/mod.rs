@@ -20,7 +20,7 @@ mod words;
 pub use color_map::ColorMap;
 pub(crate) use color_map::{diverging, sequential};
 pub use decimate::{thinned_band, thinned_line};
-pub(crate) use lag_slices::{QUANTILE, panels, range, slice};
+pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice};
 pub use panel::Panel;
 pub(crate) use pixels::{DC, middle, peak};
 pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_reach, vector_ticks};

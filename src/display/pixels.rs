@@ -1,7 +1,7 @@
 //! Pictures for a screen, not encoded: one pixel per mode of P, or per cell of lags of g.
 
 use super::color_map::ColorMap;
-use super::lag_slices::{panels, range, slice};
+use super::lag_slices::{lag_color_range, lag_planes, lag_slice};
 use super::ticks;
 use super::tone_map::ToneMap;
 use crate::estimate::Analysis;
@@ -111,12 +111,12 @@ pub fn vector_pixels(
 ) -> Option<Pixels> {
     let vector = analysis.vector()?;
     let (bins, half) = (vector.grid.bins, &vector.grid.half);
-    let axes = *panels(vector.grid.dim()).get(plane)?;
+    let axes = *lag_planes(vector.grid.dim()).get(plane)?;
     let [low, high] = ends(analysis, reach)?;
     let (block, [width, height]) = blocks([bins; 2], most);
     let cells = |k: usize| k * block..((k + 1) * block).min(bins);
     let color = |x, y| {
-        let all = || cells(y).flat_map(|y| cells(x).map(move |x| slice(vector, axes, [x, y])));
+        let all = || cells(y).flat_map(|y| cells(x).map(move |x| lag_slice(vector, axes, [x, y])));
         colors.color((all().sum::<f64>() / all().count() as f64 - low) / (high - low))
     };
     let end = |axis: usize| -half[axis] + (width * block) as f64 * vector.grid.width(axis);
@@ -132,7 +132,7 @@ pub fn vector_pixels(
 /// g at the two ends of the colours.
 fn ends(analysis: &Analysis, reach: Option<f64>) -> Option<[f64; 2]> {
     let vector = analysis.vector()?;
-    Some(reach.filter(|r| *r > 0.0).map_or_else(|| range(vector), |reach| [1.0 - reach, 1.0 + reach]))
+    Some(reach.filter(|r| *r > 0.0).map_or_else(|| lag_color_range(vector), |reach| [1.0 - reach, 1.0 + reach]))
 }
 
 /// How far from 1 g reaches in all but a few cells.

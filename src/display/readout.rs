@@ -1,6 +1,6 @@
 //! What an analysis says at one place: the bin, ring, mode or cell there, with value, error and unit.
 
-use super::lag_slices::{panels, slice_cells};
+use super::lag_slices::{lag_planes, lag_slice_cells};
 use super::units::Axis;
 use super::{human, with_error};
 use crate::estimate::Analysis;
@@ -143,9 +143,9 @@ pub fn spectrum_at(analysis: &Analysis, nu: [f64; 2]) -> Option<ModeAt> {
 pub fn vector_at(analysis: &Analysis, lag: [f64; 2], plane: usize) -> Option<LagAt> {
     let vector = analysis.vector()?;
     let grid = &vector.grid;
-    let axes = *panels(grid.dim()).get(plane)?;
+    let axes = *lag_planes(grid.dim()).get(plane)?;
     let bin = |h: f64, axis: usize| (0..grid.bins).find(|&k| (grid.edge(axis, k)..grid.edge(axis, k + 1)).contains(&h));
-    let cells = slice_cells(grid, axes, [bin(lag[0], axes[0])?, bin(lag[1], axes[1])?]);
+    let cells = lag_slice_cells(grid, axes, [bin(lag[0], axes[0])?, bin(lag[1], axes[1])?]);
     let mean = |values: &[f64]| 0.5 * (values[cells[0]] + values[cells[1]]);
     Some(LagAt { lag: axes.map(|axis| grid.centre(cells[0], axis)), axes, g: mean(&vector.g), se: mean(&vector.g_se) })
 }

@@ -8,7 +8,7 @@ use super::html::color_bar;
 use super::{npy, png, points_picture, svg};
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
-use crate::statistics::{Array, Make, Output, ROOMS, Room};
+use crate::statistics::{Array, Image, Make, Output, ROOMS, Room};
 
 /// Every room, and the points last.
 pub(super) fn sections() -> impl DoubleEndedIterator<Item = &'static dyn Room> {
@@ -46,19 +46,19 @@ pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<(C
         Make::Array(make) => make(a).map(|array| (Content::Array(array), None)),
         Make::Figure(make) => make(a).map(|figure| svg::svg(&figure)).transpose().map_err(io::Error::other)?.map(drawn),
         Make::Svg(make) => Some(drawn(make(a).map_err(io::Error::other)?)),
-        Make::Image(make) => match make(a) {
-            None => None,
-            Some(image) => {
-                let bytes = png::image(&image).map_err(io::Error::other)?;
-                let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
-                let ([width, height], alt, bar) = (image.size, image.alt, color_bar(&image.bar));
-                let html = format!(
-                    "<img alt=\"{alt}\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{data}\">\n{bar}"
-                );
-                Some((Content::Bytes(bytes), Some(Picture { html, seen: image.seen })))
-            }
-        },
+        Make::Image(make) => make(a).map(encoded).transpose()?,
     })
+}
+
+/// An image as a file, and in the page with its bar of colours.
+fn encoded(image: Image) -> io::Result<(Content<'static>, Option<Picture>)> {
+    let bytes = png::image(&image).map_err(io::Error::other)?;
+    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    let ([width, height], alt, bar) = (image.size, image.alt, color_bar(&image.bar));
+    let html = format!(
+        "<img alt=\"{alt}\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{data}\">\n{bar}"
+    );
+    Ok((Content::Bytes(bytes), Some(Picture { html, seen: image.seen })))
 }
 
 impl Content<'_> {
@@ -78,5 +78,23 @@ pub(super) fn bytes(name: &str, a: &Analysis) -> Result<Option<Vec<u8>>> {
     match made(output, a).and_then(|made| made.map(|(content, _)| content.write(&mut bytes)).transpose()) {
         Ok(written) => Ok(written.map(|()| bytes)),
         Err(e) => Err(Error::file(name, e)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_is_named_once_and_every_picture_has_its_place() {
+        let mut names: Vec<&str> = all().iter().map(|output| output.name).collect();
+        names.sort_unstable();
+        let count = names.len();
+        names.dedup();
+        assert_eq!(names.len(), count);
+        for output in all() {
+            let pictured = matches!(output.make, Make::Figure(_) | Make::Image(_) | Make::Svg(_));
+            assert_eq!(output.place.is_some(), pictured, "{}", output.name);
+        }
     }
 }

@@ -35,34 +35,36 @@ pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// The figure as SVG text.
 pub(super) fn svg(figure: &Figure) -> Svg {
-    Drawing(figure).svg()
+    Drawing { figure }.svg()
 }
 
 /// A figure that is being drawn.
-struct Drawing<'a>(&'a Figure);
+struct Drawing<'a> {
+    figure: &'a Figure,
+}
 
 impl Drawing<'_> {
     /// Where the frame begins.
     fn frame_top(&self) -> f64 {
-        if self.0.top.is_some() { 150.0 } else { 112.0 }
+        if self.figure.top.is_some() { 150.0 } else { 112.0 }
     }
 
     /// The abscissa as it is drawn.
     fn place(&self, x: f64) -> f64 {
-        if self.0.log_x { x.ln() } else { x }
+        if self.figure.log_x { x.ln() } else { x }
     }
 
     /// The ordinate as it is drawn.
     fn place_y(&self, y: f64) -> f64 {
-        if self.0.log_y { y.max(self.0.y.start * 1e-3).ln() } else { y }
+        if self.figure.log_y { y.max(self.figure.y.start * 1e-3).ln() } else { y }
     }
 
     fn drawn_y(&self) -> Range<f64> {
-        self.place_y(self.0.y.start)..self.place_y(self.0.y.end)
+        self.place_y(self.figure.y.start)..self.place_y(self.figure.y.end)
     }
 
     fn drawn_x(&self) -> Range<f64> {
-        self.place(self.0.x.start)..self.place(self.0.x.end)
+        self.place(self.figure.x.start)..self.place(self.figure.x.end)
     }
 
     fn px_x(&self, x: f64) -> f64 {
@@ -76,9 +78,9 @@ impl Drawing<'_> {
     }
 
     fn svg(&self) -> Svg {
-        let mut text = heading(self.0.title, &self.0.subject, &self.0.note);
-        let x_ticks = if self.0.log_x { log_ticks(&self.0.x) } else { ticks(&self.0.x, 9) };
-        let y_ticks = if self.0.log_y { log_ticks(&self.0.y) } else { ticks(&self.0.y, 7) };
+        let mut text = heading(self.figure.title, &self.figure.subject, &self.figure.note);
+        let x_ticks = if self.figure.log_x { log_ticks(&self.figure.x) } else { ticks(&self.figure.x, 9) };
+        let y_ticks = if self.figure.log_y { log_ticks(&self.figure.y) } else { ticks(&self.figure.y, 7) };
         for &(x, ref label) in &x_ticks {
             write_text(&mut text, self.px_x(x), BOTTOM + 21.0, "middle", LABEL, label);
         }
@@ -86,14 +88,14 @@ impl Drawing<'_> {
             write_text(&mut text, LEFT - 9.0, self.px_y(y) + 4.5, "end", LABEL, label);
         }
         let middle = 0.5 * (LEFT + RIGHT);
-        write_text(&mut text, middle, BOTTOM + 50.0, "middle", AXIS, &self.0.x_label);
+        write_text(&mut text, middle, BOTTOM + 50.0, "middle", AXIS, &self.figure.x_label);
         let y_middle = 0.5 * (BOTTOM + self.frame_top());
         let turned = format!(r#"{AXIS} transform="rotate(-90 24 {y_middle})""#);
-        write_text(&mut text, 24.0, y_middle, "middle", &turned, &self.0.y_label);
+        write_text(&mut text, 24.0, y_middle, "middle", &turned, &self.figure.y_label);
         let mut top_ticks = Vec::new();
-        if let Some(top) = &self.0.top {
-            let range = self.0.x.start / top.unit..self.0.x.end / top.unit;
-            top_ticks = if self.0.log_x { log_ticks(&range) } else { ticks(&range, 9) };
+        if let Some(top) = &self.figure.top {
+            let range = self.figure.x.start / top.unit..self.figure.x.end / top.unit;
+            top_ticks = if self.figure.log_x { log_ticks(&range) } else { ticks(&range, 9) };
             for (t, label) in &mut top_ticks {
                 *t *= top.unit;
                 write_text(&mut text, self.px_x(*t), self.frame_top() - 11.0, "middle", LABEL, label);
@@ -101,7 +103,7 @@ impl Drawing<'_> {
             write_text(&mut text, middle, self.frame_top() - 32.0, "middle", LABEL, &top.label);
         }
         self.legend(&mut text);
-        for layer in &self.0.layers {
+        for layer in &self.figure.layers {
             if let Layer::Hint { x, label } = layer {
                 // The label stays inside the frame: it turns to the left of its line near the right end.
                 let at = self.px_x(*x);
@@ -112,7 +114,7 @@ impl Drawing<'_> {
         let x_values = x_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let y_values = y_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let top_values = top_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
-        let description = format!("{}. {}. {}", self.0.title, escape(&self.0.subject), self.0.note);
+        let description = format!("{}. {}. {}", self.figure.title, escape(&self.figure.subject), self.figure.note);
         picture((WIDTH, HEIGHT), &description, &text, |root| self.draw(root, &x_values, &y_values, &top_values))
     }
 
@@ -128,7 +130,7 @@ impl Drawing<'_> {
         for &y in y_ticks {
             chart.draw_series(LineSeries::new(level(y), GRID.stroke_width(px(1.0))))?;
         }
-        for layer in &self.0.layers {
+        for layer in &self.figure.layers {
             match layer {
                 Layer::Band { color, runs, .. } => {
                     for run in runs {
@@ -153,7 +155,7 @@ impl Drawing<'_> {
                         }
                     }
                 }
-                Layer::Level { y, .. } if self.0.y.contains(y) => {
+                Layer::Level { y, .. } if self.figure.y.contains(y) => {
                     chart.draw_series(LineSeries::new(level(*y), rgb(GREY).stroke_width(px(1.2))))?;
                 }
                 Layer::Hint { x, .. } => {
@@ -179,10 +181,10 @@ impl Drawing<'_> {
             root.draw(&PathElement::new([at(LEFT - 5.0, y), at(LEFT, y)], thin))?;
         }
         // Where a curve leaves the frame at the top: a mark at the edge.
-        for layer in &self.0.layers {
+        for layer in &self.figure.layers {
             if let Layer::Line { color, runs, dashed: false, .. } = layer {
                 let mut last = f64::NEG_INFINITY;
-                for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.0.y.end) {
+                for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.figure.y.end) {
                     let (x, y) = (self.px_x(x), self.frame_top());
                     // Marks that would touch are one mark.
                     if x - last >= 9.0 {
@@ -200,7 +202,7 @@ impl Drawing<'_> {
     fn legend(&self, text: &mut String) {
         const Y: f64 = 94.0;
         let mut x = LEFT;
-        for layer in &self.0.layers {
+        for layer in &self.figure.layers {
             let (name, color, height, dash) = match layer {
                 Layer::Band { name, color, .. } => (name, color, 11.0, ""),
                 Layer::Line { name, color, width, dashed, .. } => {

@@ -1,14 +1,34 @@
-//! Shared by the tests: inputs, and comparators that `comparison_can_fail.rs` proves able to fail.
-#![allow(dead_code, reason = "every test file uses its own part")]
+//! Shared by the tests: inputs, and comparators that `reference/comparison_can_fail.rs` proves able to fail.
+#![allow(dead_code, reason = "every room uses its own part")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use pairwave::accumulate::{LagCounts, PairCounts, WaveCovariance, WavePower};
 use pairwave::compute::{Compute, reference::Reference};
 use pairwave::control::Control;
+use pairwave::estimate::Analysis;
 use pairwave::plan::{
     Accuracy, Correction, EnsembleShape, GPU_WEIGHT_BOUND, LagGrid, LagPlan, PairPlan, PairSettings, RadialBins,
     WaveGrid, WavePlan,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
+use pairwave::report;
+use pairwave::request::Request;
+
+/// The request of a command line.
+pub fn request(line: &str) -> Request {
+    Request::parse(line.split_whitespace().map(String::from)).unwrap()
+}
+
+/// All files of numbers that a report has, by name.
+pub fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
+    let dir = tempfile::tempdir().unwrap();
+    let written = report::write(&dir.path().join("out"), analysis, false).unwrap();
+    let numbers = |p: &&PathBuf| p.extension().is_some_and(|e| e == "csv" || e == "npy");
+    let name = |p: &Path| p.file_name().unwrap().to_string_lossy().into_owned();
+    written.iter().filter(numbers).map(|p| (name(p), std::fs::read(p).unwrap())).collect()
+}
 
 /// What a backend was asked for.
 pub fn wait<T>(work: impl Future<Output = T>) -> T {

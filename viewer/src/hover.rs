@@ -1,5 +1,6 @@
 //! What is under the pointer, for every panel to mark.
 
+use glam::DVec2;
 use pairwave::display::Panel;
 
 use crate::engine::SetId;
@@ -12,9 +13,9 @@ pub(crate) enum Place {
     /// A frequency |nu|.
     Frequency(f64),
     /// A wave vector nu, to the right and upward.
-    Mode([f64; 2]),
+    Mode(DVec2),
     /// A lag, to the right and upward.
-    Lag([f64; 2]),
+    Lag(DVec2),
     /// A point of the first realization of a set, by its index.
     Point(SetId, usize),
 }
@@ -59,7 +60,7 @@ impl Hover {
     pub(crate) fn distance(&self) -> Option<f64> {
         match self.place()? {
             Place::Distance(r) => Some(r),
-            Place::Lag([x, y]) => Some(x.hypot(y)),
+            Place::Lag(lag) => Some(lag.length()),
             _ => None,
         }
     }
@@ -68,7 +69,7 @@ impl Hover {
     pub(crate) fn frequency(&self) -> Option<f64> {
         match self.place()? {
             Place::Frequency(nu) => Some(nu),
-            Place::Mode([x, y]) => Some(x.hypot(y)),
+            Place::Mode(nu) => Some(nu.length()),
             _ => None,
         }
     }

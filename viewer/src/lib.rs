@@ -1,6 +1,6 @@
 //! The viewer: points, g(r) and P(nu), live. A window over the library: it edits `Request`s, hands them to a worker that
 //! measures step by step, and draws the `Analysis` that comes back. It holds no arithmetic of its own; what is drawn, and the
-//! text of what is under the pointer, comes from `pairwave::report`.
+//! text of what is under the pointer, comes from `pairwave::display`.
 //!
 //! ```text
 //! controls -> Request -> worker (Engine: Measurement per set) -> Snapshot -> panels

@@ -2,23 +2,57 @@
 
 #![expect(unsafe_code, reason = "gemm takes pointers; all lengths are asserted just before")]
 
-use gemm::{Parallelism, gemm};
+use gemm_common::Parallelism;
 
 /// Points of a product: below, `gemm` has other kernels for some widths; above, it cuts the sum.
 pub(super) const FEWEST_POINTS: usize = 3;
 const MOST_POINTS: usize = 512;
 
-/// What `gemm` multiplies here; it panics for other types than its own.
+/// A product of `gemm`: rows, columns and depth, then each matrix with its steps from column to column and row to row.
+type Gemm<T> = unsafe fn(
+    usize,
+    usize,
+    usize,
+    *mut T,
+    isize,
+    isize,
+    bool,
+    *const T,
+    isize,
+    isize,
+    *const T,
+    isize,
+    isize,
+    T,
+    T,
+    bool,
+    bool,
+    bool,
+    Parallelism,
+);
+
+/// What is multiplied here.
 pub(super) trait Element: Copy + 'static {
     const ONE: Self;
+
+    /// The best product for this processor.
+    fn gemm() -> Gemm<Self>;
 }
 
 impl Element for f32 {
     const ONE: Self = 1.0;
+
+    fn gemm() -> Gemm<Self> {
+        gemm_f32::gemm::f32::get_gemm_fn()
+    }
 }
 
 impl Element for f64 {
     const ONE: Self = 1.0;
+
+    fn gemm() -> Gemm<Self> {
+        gemm_f64::gemm::f64::get_gemm_fn()
+    }
 }
 
 /// A table with `width` values at each point, `stride` values from one point to the next.
@@ -52,20 +86,21 @@ pub(super) fn product<T: Element>(
     assert!(left.width.checked_mul(columns).is_some_and(|len| len <= out.len()), "the result fits");
     // SAFETY: all that `gemm` reads and writes lies within the lengths just asserted; `out` is borrowed alone.
     unsafe {
-        gemm(
-            left.width,
+        // Columns first: the transposed product, whose rows lie side by side.
+        T::gemm()(
             columns,
+            left.width,
             points,
             out.as_mut_ptr(),
-            1,
             columns as isize,
+            1,
             add,
-            left.values.as_ptr(),
-            left.stride as isize,
-            1,
             right.values.as_ptr(),
-            1,
             right.stride as isize,
+            1,
+            left.values.as_ptr(),
+            1,
+            left.stride as isize,
             T::ONE,
             T::ONE,
             false,

@@ -2,7 +2,7 @@
 //! rings, by direction.
 
 use crate::display::figure::{BLUE, Figure, GREEN, Layer, ORANGE, PURPLE, SKY, VERMILION, band_runs, runs};
-use crate::display::{about_one, diverging, error_note, escape, human, panels, range, size, slice};
+use crate::display::{about_one, diverging, error_note, escape, human, lag_color_range, lag_planes, lag_slice, size};
 use crate::estimate::{Analysis, Normalization, VectorCorrelation};
 use crate::plan::Correction;
 use crate::statistics::layers::half_turn;
@@ -12,15 +12,16 @@ use crate::statistics::{Bar, Image};
 const TARGET: f64 = 640.0;
 /// White pixels between panels.
 const GAP: u32 = 16;
+
 /// `None` in one dimension, where there is nothing that g(r) does not show.
 pub(super) fn image(analysis: &Analysis) -> Option<Image> {
     let vector = analysis.vector()?;
     let grid = &vector.grid;
-    let panels = panels(grid.dim());
+    let panels = lag_planes(grid.dim());
     if panels.is_empty() {
         return None;
     }
-    let [low, high] = range(vector);
+    let [low, high] = lag_color_range(vector);
     let bins = grid.bins;
     let widest = (0..grid.dim()).map(|k| grid.width(k)).fold(0.0, f64::max);
     let longest = widest * bins as f64;
@@ -36,7 +37,7 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
         let (dx, dy) = (pixels(right), pixels(up));
         for y in 0..size(up) {
             for x in 0..size(right) {
-                let g = slice(vector, [right, up], [(x / dx) as usize, bins - 1 - (y / dy) as usize]);
+                let g = lag_slice(vector, [right, up], [(x / dx) as usize, bins - 1 - (y / dy) as usize]);
                 let at = 3 * (y * width + left + x) as usize;
                 image[at..at + 3].copy_from_slice(&diverging((g - low) / (high - low)));
             }
@@ -50,7 +51,7 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
         let thick = if bins.is_multiple_of(2) { "the mean of the two slices" } else { "the slice" };
         caption = format!(
             "central slices ({thick} at lag 0 of the third axis): from left to right (h_x, h_y), (h_x, h_z) and (h_y, h_z), \
-             the first to the right, the second upward, over {}, {} and {}",
+         the first to the right, the second upward, over {}, {} and {}",
             range(0),
             range(1),
             range(2)
@@ -92,7 +93,7 @@ fn definition(vector: &VectorCorrelation) -> String {
 /// What the picture of the grid shows.
 pub(super) fn image_caption(a: &Analysis, seen: &str) -> Option<String> {
     let vector = a.vector()?;
-    let [low, high] = range(vector).map(human);
+    let [low, high] = lag_color_range(vector).map(human);
     Some(format!(
         "{}: {}. Colours are clipped at {low} and {high}, symmetric about 1.",
         definition(vector),
@@ -102,7 +103,7 @@ pub(super) fn image_caption(a: &Analysis, seen: &str) -> Option<String> {
 
 /// In one dimension there is no picture.
 pub(super) fn words(a: &Analysis) -> Option<String> {
-    let vector = a.vector().filter(|v| panels(v.grid.dim()).is_empty())?;
+    let vector = a.vector().filter(|v| lag_planes(v.grid.dim()).is_empty())?;
     Some(format!("{}. In one dimension it is <i>g</i>(<i>r</i>) at <i>r</i> = |<i>h</i>|.", definition(vector)))
 }
 
@@ -141,8 +142,8 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
 pub(super) fn angular_caption(_: &Analysis, _: &str) -> Option<String> {
     Some(
         "The same along rings, by direction: ordered pairs over expected ones in the cells of a finer grid whose \
-             centres lie in a ring and a sector. Opposite directions are the same. An isotropic pattern has level lines, up to \
-             what <i>g</i> changes from cell to cell: finer cells make that less."
+         centres lie in a ring and a sector. Opposite directions are the same. An isotropic pattern has level lines, up to \
+         what <i>g</i> changes from cell to cell: finer cells make that less."
         .into(),
     )
 }

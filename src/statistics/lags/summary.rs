@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::display::{QUANTILE, range};
+use crate::display::{LAG_QUANTILE, lag_color_range};
 use crate::estimate::{Analysis, ErrorSource, Normalization};
 use crate::plan::Correction;
 
@@ -32,7 +32,7 @@ pub(super) fn vector(a: &Analysis) -> Option<VectorOut> {
         correction: v.correction,
         errors: v.errors,
         rings: v.sectors.chunk_by(|a, b| a.r == b.r).map(|ring| ring[0].r[1]).collect(),
-        picture_range: (v.grid.dim() > 1).then(|| range(v)),
-        picture_quantile: (v.grid.dim() > 1).then_some(QUANTILE),
+        picture_range: (v.grid.dim() > 1).then(|| lag_color_range(v)),
+        picture_quantile: (v.grid.dim() > 1).then_some(LAG_QUANTILE),
     })
 }

@@ -63,9 +63,8 @@ pub(super) fn radial_caption(a: &Analysis, _: &str) -> Option<String> {
         }
         other => format!("the rings of {other} (<i>ν</i> in {})", other.labels()),
     };
-    let definition = DEFINITION;
     Some(format!(
-        "{definition}, averaged over {rings}; 1 is the level of independent points. The wider band holds the \
+        "{DEFINITION}, averaged over {rings}; 1 is the level of independent points. The wider band holds the \
          expectation with probability 95 %: by the chi-squared law of exponential ordinates, or from 30 realizations and \
          100 ordinates on by the standard error across realizations."
     ))
@@ -121,9 +120,9 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
 pub(super) fn anisotropy_caption(_: &Analysis, _: &str) -> Option<String> {
     Some(
         "10 log<sub>10</sub>(<i>s</i><sup>2</sup> / <i>P</i>(<i>ν</i>)<sup>2</sup>) in dB, with \
-             <i>s</i><sup>2</sup> the variance of <i>P</i>(<b>m</b>) over the independent modes of a ring; an isotropic \
-             spectrum that is the average of <i>K</i> independent ones (of realizations, and of each one's tapers) scatters \
-             around −10 log<sub>10</sub> <i>K</i>."
+         <i>s</i><sup>2</sup> the variance of <i>P</i>(<b>m</b>) over the independent modes of a ring; an isotropic \
+         spectrum that is the average of <i>K</i> independent ones (of realizations, and of each one's tapers) scatters \
+         around −10 log<sub>10</sub> <i>K</i>."
         .into(),
     )
 }
@@ -172,9 +171,9 @@ pub(super) fn axes(analysis: &Analysis) -> Option<Figure> {
 pub(super) fn axes_caption(_: &Analysis, _: &str) -> Option<String> {
     Some(
         "<i>P</i> at the wave vectors along each axis: the power of the points' projections onto it. A point set \
-             that is stratified along an axis has low power there. Each is a single mode, so that it scatters more than a \
-             ring."
-        .into(),
+         that is stratified along an axis has low power there. Each is a single mode, so that it scatters more than a \
+         ring."
+            .into(),
     )
 }
 
@@ -225,9 +224,9 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
 pub(super) fn angular_caption(_: &Analysis, _: &str) -> Option<String> {
     Some(
         "Mean of <i>P</i> over the modes of whole rings whose frequency <b>m</b>/<i>L</i> lies in a sector of \
-             directions, over the mean of the ring means at the same modes: 1 for an isotropic spectrum, however steep. \
-             Opposite directions are the same."
-        .into(),
+         directions, over the mean of the ring means at the same modes: 1 for an isotropic spectrum, however steep. \
+         Opposite directions are the same."
+            .into(),
     )
 }
 

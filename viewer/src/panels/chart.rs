@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui;
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
+use glam::DVec2;
 use pairwave::display::{Axis, Frame, Panel};
 
 /// Panels of which a person has chosen what is seen.
@@ -46,14 +47,14 @@ pub(super) struct Shown {
 
 impl Shown {
     /// Where the pointer is, as drawn.
-    pub(super) fn pointer(&self) -> Option<[f64; 2]> {
+    pub(super) fn pointer(&self) -> Option<DVec2> {
         let place = self.transform.value_from_position(self.response.hover_pos()?);
-        Some([place.x, place.y])
+        Some(DVec2::new(place.x, place.y))
     }
 
     /// Where a place is on the screen.
-    pub(super) fn on_screen(&self, place: [f64; 2]) -> egui::Pos2 {
-        self.transform.position_from_point(&place.into())
+    pub(super) fn on_screen(&self, place: DVec2) -> egui::Pos2 {
+        self.transform.position_from_point(&place.to_array().into())
     }
 
     /// What paints over the plot, and nowhere else.

@@ -174,7 +174,7 @@ impl Curves {
                 }
             }
         });
-        if let Some(at) = shown.pointer().and_then(|[at, _]| x.backward(at)) {
+        if let Some(at) = shown.pointer().and_then(|at| x.backward(at.x)) {
             scene.hover.at(panel, if panel == Panel::Pcf { Place::Distance(at) } else { Place::Frequency(at) });
         }
         if cut && scene.hover.is_in(panel) {

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use eframe::egui;
 use egui_plot::{HLine, Line, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
+use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::display::{
     Axis, ColorMap, Frame, Panel, Pixels, ToneMap, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
@@ -205,10 +206,10 @@ impl Images {
             painter.rect_filled(place, 0.0, fill);
             painter.galley(place.min + egui::vec2(3.0, 1.0), name, color);
         }
-        let pointer = shown.pointer().and_then(|[x, y]| Some([axis.backward(x)?, axis.backward(y)?]));
+        let pointer = shown.pointer().and_then(|at| Some([axis.backward(at.x)?, axis.backward(at.y)?]));
         let place = pointer.and_then(|at| match panel {
-            Panel::Spectrum => spectrum_at(analysis, at).map(|mode| Place::Mode([mode.nu[0], mode.nu[1]])),
-            _ => vector_at(analysis, at, plane_of(analysis, scene.view.plane)).map(|lag| Place::Lag(lag.lag)),
+            Panel::Spectrum => spectrum_at(analysis, at).map(|mode| Place::Mode(DVec2::new(mode.nu[0], mode.nu[1]))),
+            _ => vector_at(analysis, at, plane_of(analysis, scene.view.plane)).map(|lag| Place::Lag(lag.lag.into())),
         });
         if let Some(place) = place {
             scene.hover.at(panel, place);
@@ -224,14 +225,14 @@ fn mark(plot: &mut PlotUi<'_>, panel: Panel, axis: Axis, hover: &Hover, ink: egu
         (Panel::Spectrum, _) => (None, hover.frequency()),
         _ => (None, hover.distance()),
     };
-    if let Some([x, y]) = own.map(|at| at.map(|v| axis.in_unit(v))) {
+    if let Some(DVec2 { x, y }) = own.map(|at| at.map(|v| axis.in_unit(v))) {
         plot.vline(VLine::new("pointer", x).color(color).width(1.0).allow_hover(false));
         plot.hline(HLine::new("pointer", y).color(color).width(1.0).allow_hover(false));
     }
     if let Some(radius) = radius.map(|r| axis.in_unit(r)) {
-        let turn = |k: u32| (f64::from(k) / 128.0 * std::f64::consts::TAU).sin_cos();
-        let circle: Vec<[f64; 2]> = (0..=128).map(turn).map(|(sin, cos)| [radius * cos, radius * sin]).collect();
-        plot.line(Line::new("pointer", PlotPoints::from(circle)).color(color).width(1.5).allow_hover(false));
+        let turn = |k: u32| radius * DVec2::from_angle(f64::from(k) / 128.0 * std::f64::consts::TAU);
+        let circle: PlotPoints<'_> = (0..=128).map(|k| turn(k).to_array()).collect();
+        plot.line(Line::new("pointer", circle).color(color).width(1.5).allow_hover(false));
     }
 }
 
@@ -241,9 +242,9 @@ fn readouts(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, shown: &[usize])
         let set = &scene.sets[s];
         let analysis = set.analysis()?;
         let said = match (panel, scene.hover.place()) {
-            (Panel::Spectrum, Some(Place::Mode(nu))) => spectrum_at(analysis, nu).map(|mode| mode.text()),
+            (Panel::Spectrum, Some(Place::Mode(nu))) => spectrum_at(analysis, nu.to_array()).map(|mode| mode.text()),
             (Panel::Vector, Some(Place::Lag(lag))) => {
-                vector_at(analysis, lag, plane_of(analysis, scene.view.plane)).map(|lag| lag.text())
+                vector_at(analysis, lag.to_array(), plane_of(analysis, scene.view.plane)).map(|lag| lag.text())
             }
             _ => None,
         };

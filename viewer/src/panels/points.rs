@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use eframe::egui;
+use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::control::Control;
 use pairwave::display::{Axis, Frame, Panel, overlays};
@@ -45,14 +46,22 @@ struct Kept {
     /// Number of points, and which of them are drawn: every so many.
     n: usize,
     every: usize,
-    places: Vec<[f64; 2]>,
+    places: Vec<DVec2>,
     /// Copies across the sides, of every so many.
-    tiles: Vec<[f64; 2]>,
+    tiles: Vec<DVec2>,
     tiled: usize,
-    strata: Vec<[[f64; 2]; 2]>,
+    strata: Vec<[DVec2; 2]>,
     /// Made when they are first asked for.
-    links: Option<Vec<[[f64; 2]; 2]>>,
-    frame: [[f64; 2]; 2],
+    links: Option<Vec<[DVec2; 2]>>,
+    frame: [DVec2; 2],
+}
+
+fn vectors(places: Vec<[f64; 2]>) -> Vec<DVec2> {
+    places.into_iter().map(DVec2::from).collect()
+}
+
+fn segments(ends: Vec<[[f64; 2]; 2]>) -> Vec<[DVec2; 2]> {
+    ends.into_iter().map(|ends| ends.map(DVec2::from)).collect()
 }
 
 impl Kept {
@@ -60,14 +69,15 @@ impl Kept {
         let plane = of.plane;
         let all = overlays::projected(&analysis.first, plane);
         let every = all.len().div_ceil(MOST).max(1);
-        let places: Vec<[f64; 2]> = all.iter().copied().step_by(every).collect();
+        let places: Vec<_> = all.iter().copied().step_by(every).collect();
         // There are up to eight copies.
         let tiled = (8 * places.len()).div_ceil(MOST).max(1);
-        let copied: Vec<[f64; 2]> = places.iter().copied().step_by(tiled).collect();
+        let copied: Vec<_> = places.iter().copied().step_by(tiled).collect();
         let tiles = overlays::tiles(&analysis.domain, plane, &copied).unwrap_or_default();
         let strata = overlays::strata_lines(&analysis.domain, plane, all.len()).unwrap_or_default();
-        let frame = overlays::frame(&analysis.domain, plane);
-        Self { of, n: all.len(), every, places, tiles, tiled, strata, links: None, frame }
+        let frame = overlays::frame(&analysis.domain, plane).map(DVec2::from);
+        let (places, tiles) = (vectors(places), vectors(tiles));
+        Self { of, n: all.len(), every, places, tiles, tiled, strata: segments(strata), links: None, frame }
     }
 }
 
@@ -110,7 +120,9 @@ impl Points {
             if let Some(kept) = self.kept.get_mut(&set.id).filter(|_| scene.view.links) {
                 let (few, plane) = (kept.n <= MOST_LINKS, kept.of.plane);
                 kept.links.get_or_insert_with(|| match few {
-                    true => overlays::neighbor_links(&analysis.first, plane, &Control::default()).unwrap_or_default(),
+                    true => segments(
+                        overlays::neighbor_links(&analysis.first, plane, &Control::default()).unwrap_or_default(),
+                    ),
                     false => Vec::new(),
                 });
             }
@@ -129,11 +141,9 @@ impl Points {
         let frames = sets.iter().filter_map(|&s| self.kept.get(&scene.sets[s].id)).map(|kept| {
             let [low, high] = kept.frame.map(|corner| corner.map(|v| axis.in_unit(v)));
             let tiled = scene.view.tiling && analysis.domain.boundary() == Boundary::Torus;
-            let reach = |k: usize| {
-                let side = if tiled { high[k] - low[k] } else { 0.0 };
-                [low[k] - side, high[k] + side]
-            };
-            Frame { x: reach(0), y: if square { reach(1) } else { [-0.5, 0.5] } }
+            let side = if tiled { high - low } else { DVec2::ZERO };
+            let (low, high) = (low - side, high + side);
+            Frame { x: [low.x, high.x], y: if square { [low.y, high.y] } else { [-0.5, 0.5] } }
         });
         let Some(frame) = frames.reduce(Frame::union) else { return };
         let names: Vec<String> = sets.iter().map(|&s| scene.sets[s].described()).collect();
@@ -158,7 +168,7 @@ impl Points {
             let of_set = Drawing { kept, axis, shown: &shown, painter: &painter, color: colors::set(set.color, dark) };
             of_set.paint(ui, scene.view);
             if let (Some(at), Some(r)) = (of_set.central(), scene.hover.distance()) {
-                let edge = of_set.at([at[0] + r, at[1]]);
+                let edge = of_set.at(at + r * DVec2::X);
                 let stroke = egui::Stroke::new(1.5, ui.visuals().text_color().gamma_multiply(0.6));
                 painter.circle_stroke(of_set.at(at), edge.x - of_set.at(at).x, stroke);
             }
@@ -214,13 +224,13 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    fn at(&self, place: [f64; 2]) -> egui::Pos2 {
+    fn at(&self, place: DVec2) -> egui::Pos2 {
         self.shown.on_screen(place.map(|v| self.axis.in_unit(v)))
     }
 
     fn paint(&self, ui: &egui::Ui, view: &View) {
         let visible = self.shown.response.rect.expand(4.0);
-        let lines = |segments: &[[[f64; 2]; 2]], stroke: egui::Stroke| {
+        let lines = |segments: &[[DVec2; 2]], stroke: egui::Stroke| {
             for ends in segments.iter().map(|s| s.map(|place| self.at(place))) {
                 self.painter.line_segment(ends, stroke);
             }
@@ -241,7 +251,7 @@ impl Drawing<'_> {
         // About a sixth of the mean spacing, as far as that can be seen.
         let spacing = ((high.x - low.x).abs() * (high.y - low.y).abs().max(1.0) / self.kept.places.len() as f32).sqrt();
         let radius = (spacing / 6.0).clamp(0.7, 4.0);
-        let dots = |places: &[[f64; 2]], color: egui::Color32| {
+        let dots = |places: &[DVec2], color: egui::Color32| {
             for at in places.iter().map(|place| self.at(*place)).filter(|at| visible.contains(*at)) {
                 self.painter.circle_filled(at, radius, color);
             }
@@ -283,10 +293,10 @@ impl Drawing<'_> {
     }
 
     /// A point about in the middle.
-    fn central(&self) -> Option<[f64; 2]> {
+    fn central(&self) -> Option<DVec2> {
         let [low, high] = self.kept.frame;
-        let middle = self.at([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);
-        let near = |a: &[f64; 2]| self.at(*a).distance_sq(middle);
+        let middle = self.at(low.midpoint(high));
+        let near = |a: &DVec2| self.at(*a).distance_sq(middle);
         self.kept.places.iter().copied().min_by(|a, b| near(a).total_cmp(&near(b)))
     }
 }

@@ -1,10 +1,18 @@
 //! What tests and benches of the window share: a viewer without files, a request from a command line, waiting for a measurement.
 #![allow(dead_code, reason = "not every one of them needs all of it")]
 
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
+use pairwave::analysis::{self, Analysis, Plan};
+use pairwave::compute::Device;
+use pairwave::control::Control;
+use pairwave::report;
 use pairwave::request::Request;
+use pairwave::source::Source;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::{Answer, Choice, Files};
 
@@ -23,6 +31,22 @@ impl Files for NoFiles {
 /// The request of a command line, on the processor.
 pub fn request(line: &str) -> Request {
     Request::parse(format!("{line} --device cpu --threads 2").split_whitespace().map(String::from)).unwrap()
+}
+
+/// All files of a result, by name.
+pub fn written(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
+    let dir = tempfile::tempdir().unwrap();
+    let written = report::write(&dir.path().join("out"), analysis, false).unwrap();
+    let name = |p: &Path| p.file_name().unwrap().to_string_lossy().into_owned();
+    written.iter().map(|p| (name(p), std::fs::read(p).unwrap())).collect()
+}
+
+/// All files that the command line writes.
+pub fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
+    let source = Arc::new(Source::open(&request.input).unwrap());
+    let device = pollster::block_on(Device::open(request.device, request.threads)).unwrap();
+    let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
+    written(&analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ()).unwrap())
 }
 
 /// A viewer on these sets, without files.

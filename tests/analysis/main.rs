@@ -1,0 +1,9 @@
+//! How a request is carried out: devices that fail, results that are looked at meanwhile.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod fallback;
+mod measurement;
+mod sources;
+mod streaming;

@@ -1,0 +1,131 @@
+//! Points are the same whether they are held in memory, read again when they are needed, or come as bytes.
+
+use std::path::Path;
+
+use crate::common::Rng;
+use pairwave::control::Control;
+use pairwave::points::{Domain, RawPoints, write};
+use pairwave::request::{PointsRequest, Request};
+use pairwave::source::Source;
+
+fn points(line: &str) -> PointsRequest {
+    Request::parse(line.split_whitespace().map(String::from)).unwrap().input
+}
+
+/// Sets of `n(k)` points.
+fn sets(count: usize, n: impl Fn(usize) -> usize, seed: u64) -> Vec<RawPoints> {
+    let mut rng = Rng(seed);
+    let mut set = |k: usize| RawPoints {
+        dim: 2,
+        coordinates: (0..2 * n(k)).map(|_| rng.unit()).collect(),
+        source: String::new(),
+        lines: Vec::new(),
+    };
+    (0..count).map(|k| set(k)).collect()
+}
+
+fn save(path: &Path, sets: Vec<RawPoints>) {
+    write::write(path, &mut sets.into_iter().map(Ok), false).unwrap();
+}
+
+/// Inputs of every kind that may be too large to be held.
+fn inputs(folder: &Path) -> Vec<String> {
+    let at = |name: &str| folder.join(name).display().to_string();
+    for k in 0..11 {
+        save(&folder.join(format!("set_{k}.csv")), sets(1, |_| 20 + k, k as u64));
+    }
+    save(&folder.join("batch.npy"), sets(37, |_| 25, 7));
+    save(&folder.join("batch.txt"), sets(9, |k| 10 + k, 8));
+    save(&folder.join("batch.npz"), sets(5, |k| 12 + k, 9));
+    let mut rng = Rng(3);
+    for k in 0..4 {
+        let rows: String = (0..15)
+            .map(|i| {
+                let weight = if i == 3 && k == 2 { 9.0 } else { rng.unit() };
+                format!("{},{},{weight},{}\n", rng.unit(), rng.unit(), ["elm", "oak", "ash"][(i + k) % 3])
+            })
+            .collect();
+        std::fs::write(folder.join(format!("marked_{k}.csv")), format!("x,y,w,kind\n{rows}")).unwrap();
+    }
+    let marked = (0..4).map(|k| at(&format!("marked_{k}.csv"))).collect::<Vec<_>>().join(" ");
+    vec![
+        at("set_*.csv"),
+        at("batch.npy"),
+        at("batch.txt"),
+        at("batch.npz"),
+        format!("{} {} {}", at("batch.npy"), at("set_3.csv"), at("batch.txt")),
+        format!("{marked} --weight-column w"),
+        format!("{marked} --class-column kind --window 0,1,0,1"),
+        format!("{} --box 0.5,2 --wrap", at("batch.npy")),
+    ]
+}
+
+#[test]
+fn what_is_read_again_is_what_was_held() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in inputs(folder.path()) {
+        let request = points(&line);
+        let held = Source::open(&request).unwrap();
+        let control = Control::default();
+        for budget in [0, 1000] {
+            let lazy = Source::files_within(&request, budget).unwrap();
+            assert_eq!(lazy.shape(), held.shape(), "{line}");
+            assert_eq!(lazy.classes(), held.classes(), "{line}");
+            assert_eq!((lazy.subject(), lazy.domain()), (held.subject(), held.domain()), "{line}");
+            let all = held.shape().realizations;
+            for (start, end) in [(0, all), (0, 1), (all - 1, all), (1, all), (all / 3, all / 2 + 1)] {
+                let [a, b] = [&held, &lazy].map(|s| s.batch(start..end, &control).unwrap());
+                assert_eq!(a, b, "{line}, {start}..{end}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_used_is_found_when_files_are_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = inputs(folder.path()).remove(0);
+    std::fs::write(folder.path().join("set_9.csv"), "0.5,0.5\n0.5,1.5\n").unwrap();
+    for budget in [0, u64::MAX] {
+        let error = Source::files_within(&points(&line), budget).err().unwrap().to_string();
+        assert!(error.contains("set_9.csv:2") && error.contains("y = 1.5"), "{error}");
+    }
+}
+
+#[test]
+fn files_that_change_meanwhile_are_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = inputs(folder.path()).remove(2);
+    let lazy = Source::files_within(&points(&line), 0).unwrap();
+    std::fs::write(folder.path().join("batch.txt"), "0.1 0.1\n0.2 0.2\n").unwrap();
+    let error = lazy.batch(3..5, &Control::default()).unwrap_err().to_string();
+    assert!(error.contains("batch.txt") && error.contains("fewer realizations"), "{error}");
+}
+
+#[test]
+fn bytes_with_a_name_are_read_as_that_file() {
+    let folder = tempfile::tempdir().unwrap();
+    inputs(folder.path());
+    let control = Control::default();
+    for name in ["batch.npy", "batch.npz", "batch.txt", "set_3.csv"] {
+        let path = folder.path().join(name);
+        let (bytes, request) = (std::fs::read(&path).unwrap(), points(&path.display().to_string()));
+        let file = Source::open(&request).unwrap();
+        let read = Source::from_bytes(name, &bytes, &request).unwrap();
+        let all = file.shape().realizations;
+        assert_eq!(read.batch(0..all, &control).unwrap(), file.batch(0..all, &control).unwrap(), "{name}");
+        assert_eq!(read.subject(), name);
+    }
+    let error = Source::from_bytes("dropped.csv", b"0.1,0.2\n0.3,x\n", &points("f")).err().unwrap().to_string();
+    assert!(error.starts_with("dropped.csv:2"), "{error}");
+}
+
+#[test]
+fn points_in_memory_say_what_is_wrong_with_them() {
+    let unit = || Domain::unit_torus(2);
+    let error = |sets: &[Vec<f64>]| Source::new(unit(), sets).err().unwrap().to_string();
+    assert!(error(&[vec![0.1, 0.2, 0.3]]).contains("realization 0: 3 numbers"));
+    assert!(error(&[vec![0.1, 0.2], vec![0.3, 1.5]]).contains("realization 1, point 0: y = 1.5"));
+    assert!(error(&[]).contains("no realizations"));
+    assert!(error(&[vec![f64::NAN, 0.2]]).contains("not a finite number"));
+}

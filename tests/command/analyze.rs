@@ -1,0 +1,134 @@
+//! `analyze` end to end: what appears, and that it is the same whatever computed it.
+
+use crate::shared::{Scratch, column, csv, npy, summary};
+
+#[test]
+fn analyze_writes_what_it_promises() {
+    let scratch = Scratch::new();
+    scratch.ok("analyze --sampler jittered -n 64 -k 20 --seed 3 --kernel epanechnikov --device cpu --out result");
+    let dir = scratch.path("result");
+    let mut files: Vec<_> =
+        std::fs::read_dir(&dir).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
+    files.sort();
+    let expected = [
+        "anisotropy.svg",
+        "neighbor_functions.csv",
+        "neighbor_functions.svg",
+        "pcf.csv",
+        "pcf.svg",
+        "pcf_from_spectrum.csv",
+        "points.svg",
+        "report.html",
+        "spectrum.npy",
+        "spectrum.png",
+        "spectrum_angular.csv",
+        "spectrum_angular.svg",
+        "spectrum_axes.csv",
+        "spectrum_axes.svg",
+        "spectrum_from_pcf.csv",
+        "spectrum_radial.csv",
+        "spectrum_radial.svg",
+        "spectrum_se.npy",
+        "summary.json",
+    ];
+    assert_eq!(files, expected);
+
+    let pcf = csv(&dir.join("pcf.csv"));
+    assert_eq!(pcf.0, "r_lo,r,r_hi,count,g,g_se,g_kernel,g_kernel_se");
+    assert_eq!(pcf.1.len(), 256);
+    let (lo, r, hi): (Vec<f64>, Vec<f64>, Vec<f64>) = (column(&pcf, "r_lo"), column(&pcf, "r"), column(&pcf, "r_hi"));
+    assert!(lo.iter().zip(&r).zip(&hi).all(|((lo, r), hi)| lo < r && r < hi) && lo[1..] == hi[..255]);
+    assert_eq!(hi[255], 0.5, "8 closest-packing distances of 64 points exceed half the torus");
+    let (count, g): (Vec<u64>, Vec<f64>) = (column(&pcf, "count"), column(&pcf, "g"));
+    let ring = std::f64::consts::PI * (hi[200] * hi[200] - lo[200] * lo[200]);
+    assert!((g[200] - count[200] as f64 / (20.0 * 64.0 * 63.0 * ring)).abs() < 1e-12);
+
+    let (shape, p) = npy(&dir.join("spectrum.npy"));
+    assert_eq!(shape, [81, 81], "F = ceil(5 sqrt(64)) = 40");
+    assert_eq!(p[40 * 81 + 40], 64.0, "DC is n");
+    assert!(p.iter().eq(p.iter().rev()), "P(-m) = P(m)");
+    assert_eq!(npy(&dir.join("spectrum_se.npy")).0, shape);
+
+    let radial = csv(&dir.join("spectrum_radial.csv"));
+    let named = "nu_lo,nu,nu_hi,modes,p,p_se,anisotropy_db,anisotropy_reference_db";
+    assert!(radial.0.starts_with(named), "{}", radial.0);
+    assert_eq!(radial.1.len(), 40);
+    assert_eq!(column::<u64>(&radial, "modes")[0], 8, "DC is in no ring");
+    let mean = (0..81 * 81)
+        .filter(|i| {
+            let (a, b) = (i / 81 - 40, i % 81 - 40);
+            let m = f64::from(a * a + b * b).sqrt();
+            (4.5..5.5).contains(&m)
+        })
+        .map(|i| p[i as usize])
+        .sum::<f64>()
+        / column::<f64>(&radial, "modes")[4];
+    assert!((column::<f64>(&radial, "p")[4] - mean).abs() < 1e-9);
+
+    let json = summary(&dir);
+    let text = json.to_string();
+    for fact in ["\"cpu\"", "across-realizations", "jittered"] {
+        assert!(text.contains(fact), "summary.json lacks {fact}: {text}");
+    }
+    let html = std::fs::read_to_string(dir.join("report.html")).unwrap();
+    assert!(!html.contains("src=\"http") && !html.contains("href=\"http"), "the page is self-contained");
+}
+
+#[test]
+fn the_same_request_gives_the_same_bytes_on_any_number_of_threads() {
+    let scratch = Scratch::new();
+    for threads in [1, 2, 3] {
+        scratch.ok(&format!("analyze --sampler thomas -n 80 -k 35 --device cpu --threads {threads} --out t{threads}"));
+    }
+    for file in ["pcf.csv", "spectrum_radial.csv", "spectrum.npy", "spectrum_se.npy"] {
+        let bytes = |t: u32| std::fs::read(scratch.path(&format!("t{t}")).join(file)).unwrap();
+        assert!(bytes(1) == bytes(2) && bytes(1) == bytes(3), "{file}");
+    }
+}
+
+#[test]
+fn a_sampled_file_gives_what_the_sampler_gives() {
+    let scratch = Scratch::new();
+    scratch.ok("analyze --sampler random -n 50 -k 5 --seed 9 --device cpu --out direct");
+    for format in ["csv", "txt", "npy", "npz", "bin"] {
+        scratch.ok(&format!("sample random -n 50 -k 5 --seed 9 --out points.{format}"));
+        scratch.ok(&format!("analyze points.{format} --device cpu --out {format}"));
+        for file in ["pcf.csv", "spectrum_radial.csv", "spectrum.npy"] {
+            let bytes = |d: &str| std::fs::read(scratch.path(d).join(file)).unwrap();
+            assert!(bytes("direct") == bytes(format), "{file} by way of {format}");
+        }
+    }
+}
+
+#[test]
+fn many_small_realizations_stay_within_memory() {
+    // 2000 spectra of 64 x 161^2 would be 400 MB; the plan holds a few at a time. Here: it finishes, and P is right.
+    let scratch = Scratch::new();
+    scratch.ok("analyze --sampler random -n 64 -k 2000 --device cpu --stats spectrum --out many");
+    let radial = csv(&scratch.path("many/spectrum_radial.csv"));
+    for (p, se) in column::<f64>(&radial, "p").iter().zip(column::<f64>(&radial, "p_se")) {
+        assert!((p - 1.0).abs() < 6.0 * se, "P = {p} +- {se}");
+    }
+}
+
+#[test]
+fn explain_prints_the_plan_and_computes_nothing() {
+    let scratch = Scratch::new();
+    let plan = scratch.ok("analyze --sampler random -n 100000 -k 100 --stats pcf --device cpu --explain");
+    for fact in ["pair_counts", "256 bins", "skipped: spectrum (not asked for)", "device: "] {
+        assert!(plan.contains(fact), "{fact} is missing from\n{plan}");
+    }
+}
+
+#[test]
+fn quiet_is_silent_and_stdin_is_a_file() {
+    let scratch = Scratch::new();
+    let output = scratch
+        .command()
+        .args(["analyze", "-", "--device", "cpu", "--quiet", "--out", "o"])
+        .write_stdin("0.1 0.2\n0.3 0.4\n# next\n0.5 0.5\n0.6 0.7\n")
+        .output()
+        .unwrap();
+    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
+    assert!(std::fs::read_to_string(scratch.path("o/summary.json")).unwrap().contains("2"));
+}

@@ -1,0 +1,394 @@
+//! What is said when it is wrong.
+
+use crate::shared::Scratch;
+
+/// Every kind of wrong request or input, with its exact message and exit code. Nothing is written.
+#[test]
+fn errors_name_the_flag_the_value_and_what_would_be_right() {
+    let scratch = Scratch::new();
+    scratch.file("ok.csv", "x,y\n0.1,0.2\n0.3,0.9\n0.5,0.5\n");
+    scratch.file("one.csv", "0.1 0.2\n");
+    scratch.file("outside.txt", "0.1 0.2\n1.5 0.2\n");
+    scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
+    scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
+    scratch.file("edges.txt", "0 0.1 0.05\n");
+    scratch.file("late.txt", "0.1 0.2\n");
+    scratch.file("trees.csv", "x,y,kind,size\n0.1,0.2,oak,1\n0.3,0.9,elm,2\n0.5,0.5,fir,3\n");
+    scratch.file("zero.csv", "x,y,size\n0.1,0.2,0\n0.3,0.9,0\n");
+    scratch.file("words.txt", "0 0.1\nx\n");
+    scratch.file("half.txt", "# m\n1 2\n0 1.5\n");
+    scratch.file("huge.csv", "m_x,m_y\n3000000000,1\n");
+    scratch.file("nothing.txt", "# m\n\n");
+    scratch.file("five.txt", "5\n1 2\n");
+    scratch.file("below.csv", "x,y,w\n0.1,0.2,1\n0.3,0.9,-0.5\n");
+    let raw = |numbers: &[f64]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    std::fs::write(scratch.path("half.f64"), raw(&[1.0, 2.0, 1.5, 0.0])).unwrap();
+    std::fs::write(scratch.path("odd.f64"), raw(&[1.0, 2.0, 3.0])).unwrap();
+    std::fs::write(scratch.path("bytes"), [0, 1, 2, 255]).unwrap();
+    std::fs::create_dir(scratch.path("taken")).unwrap();
+    scratch.file("taken/summary.json", "{}");
+    let table: &[(&str, i32, &str)] = &[
+        ("analyze missing.csv", 1, "missing.csv: No such file or directory (os error 2)"),
+        (
+            "analyze outside.txt",
+            1,
+            "outside.txt:2: x = 1.5 is outside [0, 1); --wrap folds points in, --box sets the sides, --window a window",
+        ),
+        (
+            "analyze outside.txt --window 0,1,0,1",
+            1,
+            "outside.txt:2: x = 1.5 is outside the window [0, 1]; --window x0,x1,y0,y1 sets it",
+        ),
+        (
+            "analyze one.csv",
+            1,
+            "points: pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
+        ),
+        ("analyze ok.csv --window 0,1", 1, "ok.csv: 2 coordinates per point, but --box or --window has 1 axis"),
+        ("analyze ok.csv --window 0,1,2", 2, "--window 0,1,2: expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"),
+        (
+            "analyze ok.csv --window 0,1,1,0",
+            2,
+            "--window 0,1,1,0: every side must be finite and between 1e-100 and 1e100; expected x0,x1,y0,y1[,z0,z1] with x0 < x1",
+        ),
+        (
+            "analyze ok.csv --domain window",
+            2,
+            "--domain window: needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+        ),
+        (
+            "analyze ok.csv --r-max 0.6",
+            2,
+            "--r-max 0.6: beyond half the shortest side (0.5) a ring does not fit into the torus and g would be under-counted; expected at most 0.5, or --beyond-half, which compares with the part that fits",
+        ),
+        (
+            "analyze ok.csv --r-max 1 --window 0,1,0,1",
+            2,
+            "--r-max 1: expected less than the shortest side of the window (1): beyond, some directions are never seen",
+        ),
+        ("analyze ok.csv --r-max 0", 2, "--r-max 0: expected a finite number above 0"),
+        ("analyze ok.csv --bins 0", 2, "--bins 0: expected 1 to 1048576"),
+        (
+            "analyze ok.csv --edges edges.txt",
+            2,
+            "--edges edges.txt: edges must be finite, at least 0 and strictly increasing; edge 1 is 1e-1, edge 2 is 5e-2",
+        ),
+        ("analyze ok.csv --edges words.txt", 1, "words.txt:2: `x` is not a number"),
+        ("analyze ok.csv --edges nowhere.txt", 1, "nowhere.txt: No such file or directory (os error 2)"),
+        ("analyze ok.csv --correction translation", 2, "--correction translation: a torus has no edges; use none"),
+        (
+            "analyze ok.csv --window -1,1,-1,0.5",
+            1,
+            "ok.csv:3: y = 0.9 is outside the window [-1, 0.5]; --window x0,x1,y0,y1 sets it",
+        ),
+        (
+            "analyze ok.csv --box 1e-300,1",
+            2,
+            "--box 1e-300,1: every side must be finite and between 1e-100 and 1e100; expected L1,L2[,L3]",
+        ),
+        ("analyze ok.csv --r-max -1", 2, "--r-max -1: expected a finite number above 0"),
+        ("analyze ok.csv --lag-bins 3", 2, "--lag-bins 3: needs pcf-vector among --stats"),
+        ("analyze ok.csv --lag-max 0.1", 2, "--lag-max 0.1: needs pcf-vector among --stats"),
+        ("analyze ok.csv --lag-rings 0.1,0.2", 2, "--lag-rings 0.1,0.2: needs pcf-vector among --stats"),
+        (
+            "analyze ok.csv --stats radial --correction none",
+            2,
+            "--correction none: needs pcf, k-function or pcf-vector among --stats",
+        ),
+        ("analyze ok.csv --stats pcf-vector --lag-bins 0", 2, "--lag-bins 0: expected 1 to 1448 bins per axis in 2D"),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-bins 1449",
+            2,
+            "--lag-bins 1449: expected 1 to 1448 bins per axis in 2D",
+        ),
+        (
+            "analyze three.txt --stats pcf-vector --lag-bins 129",
+            2,
+            "--lag-bins 129: expected 1 to 128 bins per axis in 3D",
+        ),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-max 0.6",
+            2,
+            "--lag-max 0.6: expected a number above 0 and at most half the shortest side (0.5)",
+        ),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-max nan",
+            2,
+            "--lag-max NaN: expected a number above 0 and at most half the shortest side (0.5)",
+        ),
+        (
+            "analyze ok.csv --stats pcf-vector --lag-rings 0.4999",
+            2,
+            "--lag-rings 0.4999: rings are two cells wide (0.015625) and fit into the grid of lags: expected more than 0.0078125 and at most 0.4921875",
+        ),
+        (
+            "analyze three.txt --stats pcf-vector --lag-rings 0.1",
+            2,
+            "--lag-rings 0.1: rings are followed round in 2D, the points have 3 coordinates",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --stats pcf-vector --correction border",
+            2,
+            "--correction border: the vector g is corrected by the set covariance of the window: use translation, or none",
+        ),
+        (
+            "analyze ok.csv --stats pcf-vector --correction translation",
+            2,
+            "--correction translation: a torus has no edges; use none",
+        ),
+        ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf or k-function among --stats"),
+        (
+            "analyze ok.csv --stats pcf --max-frequency 3",
+            2,
+            "--max-frequency 3: needs spectrum or radial among --stats",
+        ),
+        (
+            "analyze ok.csv --kernel box --bandwidth 0",
+            2,
+            "--bandwidth 0: expected more than 0 and less than the shortest side (1)",
+        ),
+        (
+            "analyze ok.csv --kernel box --bandwidth NaN",
+            2,
+            "--bandwidth NaN: expected more than 0 and less than the shortest side (1)",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --kernel box --correction border",
+            2,
+            "--correction border: a kernel estimate weighs pairs; expected translation, isotropic or none",
+        ),
+        ("analyze ok.csv --envelope 0", 2, "--envelope 0: expected 1 to 174307 simulations of 770 values each"),
+        (
+            "analyze ok.csv --stats spectrum --envelope 9",
+            2,
+            "--envelope 9: needs pcf, k-function or neighbors among --stats",
+        ),
+        (
+            "analyze ok.csv --kernel box --bandwidth 2",
+            2,
+            "--bandwidth 2: expected more than 0 and less than the shortest side (1)",
+        ),
+        (
+            "analyze ok.csv --max-frequency 1,2,3",
+            2,
+            "--max-frequency 1,2,3: expected 1 or 2 numbers for points with 2 coordinates",
+        ),
+        (
+            "analyze ok.csv --box 1 --max-frequency 1,2",
+            1,
+            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis",
+        ),
+        (
+            "analyze --sampler random -n 9 --dim 1 --max-frequency 1,2",
+            2,
+            "--max-frequency 1,2: expected 1 number for points with 1 coordinate",
+        ),
+        (
+            "analyze --sampler random -n 9 --dim 1 --stats radial --sectors 4",
+            2,
+            "--sectors 4: directions are followed in 2D, the points are in 1D",
+        ),
+        ("analyze ok.csv --max-frequency 100000000", 2, "--max-frequency 100000000: expected at most 4194304"),
+        (
+            "analyze three.txt --max-frequency 2000",
+            2,
+            "--max-frequency 2000: 64048012001 wave vectors need about 1908 GiB; at most 536870912 are supported (rings alone: --stats radial --ring-directions N)",
+        ),
+        (
+            "analyze ok.csv --r-max 0.8 --beyond-half",
+            2,
+            "--r-max 0.8: expected at most half the diagonal of the torus (0.7071067811865476): no two points are further apart",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --beyond-half",
+            2,
+            "--beyond-half (given): is about a torus; a window has its edge correction",
+        ),
+        (
+            "analyze ok.csv --stats k-function --beyond-half --r-max 0.6",
+            2,
+            "--beyond-half (given): K and L compare with whole balls, which fit up to r = 0.5; expected --stats pcf alone",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --correction isotropic --r-max 0.8",
+            2,
+            "--r-max 0.8: expected at most half the diagonal of the window (0.7071067811865476): beyond, some points see no circle",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --correction border --r-max 0.5",
+            2,
+            "--r-max 0.5: expected less than half the shortest side of the window (0.5): no point is further from the border",
+        ),
+        (
+            "analyze three.txt --window 0,1,0,1,0,1 --correction isotropic",
+            2,
+            "--correction isotropic: the part of a sphere inside a box is not computed; 3D has translation, border and none",
+        ),
+        (
+            "analyze trees.csv --window 0,1,0,1 --correction border --weight-column size",
+            2,
+            "--correction border: counts points, not weights; expected translation, isotropic or none",
+        ),
+        (
+            "analyze ok.csv --stats k-function --bin-scale log",
+            2,
+            "--bin-scale log: K counts all pairs closer than r: bins must start at 0, not at 0.0005",
+        ),
+        (
+            "analyze ok.csv --stats k-function --edges late.txt",
+            2,
+            "--edges late.txt: K counts all pairs closer than r: bins must start at 0, not at 0.1",
+        ),
+        ("analyze ok.csv --stats k-function --kernel box", 2, "--kernel box: needs pcf among --stats"),
+        (
+            "analyze trees.csv --stats neighbors --weight-column size",
+            2,
+            "--weight-column size: needs pcf, k-function, spectrum, radial or covariance among --stats",
+        ),
+        ("analyze trees.csv --stats k-function --class-column kind", 2, "--class-column kind: needs pcf among --stats"),
+        ("analyze trees.csv --class-column kind", 2, "--classes (none): expected two of the 3 classes: oak, elm, fir"),
+        (
+            "analyze trees.csv --class-column kind --classes oak,ash",
+            2,
+            "--classes oak,ash: no point is of class ash; there are oak, elm, fir",
+        ),
+        (
+            "analyze trees.csv --class-column kind --classes oak,oak",
+            2,
+            "--classes oak,oak: expected two different classes",
+        ),
+        (
+            "analyze trees.csv --class-column kind --classes oak",
+            2,
+            "--classes oak: expected two classes, as in oak,elm",
+        ),
+        (
+            "analyze trees.csv --class-column species",
+            1,
+            "trees.csv:1: --class-column species: no column of that name; there are x, y, kind, size",
+        ),
+        ("analyze zero.csv --weight-column 3", 2, "--weight-column 3: all weights are 0"),
+        ("analyze ok.csv -n 5", 2, "-n 5: applies to --sampler NAME only, not to point files"),
+        ("analyze ok.csv --param mu=3", 2, "--param mu=3: applies to --sampler NAME only, not to point files"),
+        ("analyze ok.csv --device 99", 1, "--device 99:"),
+        ("analyze ok.csv --threads 100000", 2, "--threads 100000:"),
+        ("analyze ok.csv --threads 0", 2, "--threads 0:"),
+        (
+            "analyze --sampler jitterd -n 64",
+            2,
+            "--sampler jitterd: no such sampler (did you mean jittered?); expected one of random, grid, jittered, poisson-disk, halton, thomas",
+        ),
+        ("analyze --sampler jittered -n 65", 2, "-n 65: jittered in 2D needs n = k^2; the nearest are 64 and 81"),
+        (
+            "analyze ok.csv --stats spectrum --frequencies half.txt",
+            1,
+            "half.txt:3: m_y = 1.5; expected an integer with magnitude below 2^31: cycles per side of the torus",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies huge.csv",
+            1,
+            "huge.csv:2: m_x = 3000000000; expected an integer with magnitude below 2^31: cycles per side of the torus",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies three.txt",
+            1,
+            "three.txt:1: 3 numbers per wave vector, but the points have 2 coordinates",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies nothing.txt",
+            1,
+            "nothing.txt: no wave vectors: only blank lines and comments",
+        ),
+        ("analyze ok.csv --stats spectrum --frequencies five.txt", 1, "five.txt:1: announces 5 wave vectors, found 1"),
+        (
+            "analyze ok.csv --stats spectrum --frequencies half.f64",
+            1,
+            "half.f64, wave vector 1: m_x = 1.5; expected an integer with magnitude below 2^31: cycles per side of the torus",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies odd.f64",
+            1,
+            "odd.f64: 24 bytes are not a whole number of f64x2 wave vectors of 16 bytes: 8 left over",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies bytes",
+            1,
+            "bytes: neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need a name that ends in .f32 or .f64",
+        ),
+        ("analyze ok.csv --stats spectrum --window 0,1,0,1 --tapers 0", 2, "--tapers 0: expected 1 to 64 per axis"),
+        (
+            "analyze ok.csv --stats spectrum --window 0,1,0,1 --tapers 2",
+            2,
+            "--tapers 2: needs --taper sine; Bartlett's taper is one",
+        ),
+        (
+            "analyze below.csv --weight-column w",
+            1,
+            "below.csv:3: weight -0.5; g and K need weights of at least 0, P does not",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --max-frequency 1 --convention psa",
+            2,
+            "--max-frequency 1: --convention needs one number for all axes, and at least 2",
+        ),
+        ("analyze ok.csv --stats covariance --covariance-frequency 0", 2, "--covariance-frequency 0: expected 1 to 54"),
+        (
+            "analyze ok.csv --stats pcf --frequencies half.txt",
+            2,
+            "--frequencies half.txt: needs spectrum among --stats",
+        ),
+        (
+            "analyze ok.csv --stats spectrum,radial --frequencies half.txt",
+            2,
+            "--frequencies half.txt: a list of wave vectors has no rings; expected --stats spectrum without radial",
+        ),
+        ("analyze ok.csv --stats radial --ring-directions 0", 2, "--ring-directions 0: expected at least 1"),
+        (
+            "analyze ok.csv --stats spectrum,radial --ring-directions 8",
+            2,
+            "--ring-directions 8: leaves wave vectors out, which --stats spectrum asks for; expected --stats radial without spectrum",
+        ),
+        ("analyze --sampler jittered -n 64 -k 0", 2, "-k 0: expected at least 1 realization"),
+        (
+            "analyze --sampler random -n 64 --domain window",
+            2,
+            "--domain window: samplers fill a torus; a window needs files",
+        ),
+        ("analyze --sampler random -n 64 --box 1", 2, "--box 1: expected 2 sides for points with 2 coordinates"),
+        ("analyze", 2, "FILES (none): expected point files, or --sampler NAME -n N"),
+    ];
+    for (arguments, code, message) in table {
+        let output = scratch.run(&format!("{arguments} --out result --quiet"));
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(*code), "`{arguments}`: {errors}");
+        let exact = if message.ends_with(':') {
+            errors.starts_with(&format!("error: {message}"))
+        } else {
+            errors == format!("error: {message}\n")
+        };
+        assert!(exact, "`{arguments}` said\n{errors}instead of\nerror: {message}");
+        assert!(!scratch.path("result").exists(), "`{arguments}` left something behind");
+    }
+    // What clap itself refuses: exit code 2, the flag named.
+    for (arguments, named) in [
+        ("analyze ok.csv", "--out"),
+        ("analyze ok.csv --out o --stats pcf,color", "color"),
+        ("analyze ok.csv --out o --device tpu", "--device"),
+        ("analyze ok.csv --out o --r-max 0.1 --edges edges.txt", "--edges"),
+        ("analyze ok.csv --out o --bins many", "--bins"),
+        ("analyze --sampler random --out o", "--points"),
+        ("sample random -n 5", "--out"),
+        ("paint", "paint"),
+    ] {
+        let output = scratch.run(arguments);
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "`{arguments}`: {errors}");
+        assert!(errors.contains(named), "`{arguments}` does not name {named}: {errors}");
+    }
+    // An existing result is not overwritten without --force.
+    let output = scratch.run("analyze ok.csv --device cpu --out taken");
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(std::fs::read_to_string(scratch.path("taken/summary.json")).unwrap(), "{}");
+    scratch.ok("analyze ok.csv --device cpu --out taken --force");
+    assert!(scratch.path("taken/pcf.csv").exists());
+}

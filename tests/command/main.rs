@@ -1,0 +1,17 @@
+//! The commands end to end, on files: what a user types, what appears, what is said when it is wrong. Trusts the
+//! library's own tests for the numbers; checks that the right ones reach the files.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod analyze;
+mod convention;
+mod envelope;
+mod errors;
+mod listings;
+mod pair_correlation;
+mod power_spectrum;
+mod request;
+mod shared;
+mod taper;
+mod vector_correlation;

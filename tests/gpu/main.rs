@@ -1,0 +1,12 @@
+//! The GPU against the definitions, and its shaders. A room of its own, because it needs a driver.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod device;
+mod lag_counts;
+mod pair_counts;
+mod shader_layouts;
+mod shaders_valid;
+mod shared;
+mod wave_power;

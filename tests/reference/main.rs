@@ -1,0 +1,10 @@
+//! What all else trusts: the definitions, worked by hand and against closed forms; comparators that can fail; laws without a
+//! reference; samplers.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod by_hand;
+mod comparison_can_fail;
+mod laws;
+mod samplers;

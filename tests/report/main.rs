@@ -1,0 +1,7 @@
+//! What is written and what is shown.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod files;
+mod panels;
