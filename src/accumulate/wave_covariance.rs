@@ -3,6 +3,7 @@
 use super::ordered_sum::OrderedSum;
 use super::{ComputedBy, Decoder, Encoder, Sums};
 use crate::error::{Error, Result};
+use crate::plan::covariance_values;
 
 /// Sums over realizations of products of amplitudes of H wave vectors. An amplitude has two components: component `a < H`
 /// is the real part of `s_a`, component `H + a` the imaginary part. The additions are ordered by realization index
@@ -62,7 +63,7 @@ impl CovarianceSums {
 
     fn from_values(stored: usize, mut values: Vec<f64>) -> Self {
         let components = 4 * stored * stored;
-        values.resize(WaveCovariance::values(stored as u128) as usize, 0.0);
+        values.resize(covariance_values(stored as u128) as usize, 0.0);
         let norms = [values[values.len() - 2], values[values.len() - 1]];
         let mut powers = values.split_off(2 * components);
         powers.truncate(stored * stored);
@@ -75,11 +76,6 @@ impl WaveCovariance {
     /// No realizations yet.
     pub fn new(computed_by: ComputedBy, stored: usize) -> Self {
         Self { computed_by, realizations: 0, stored, sums: OrderedSum::default() }
-    }
-
-    /// Numbers in the sums of `stored` wave vectors.
-    pub(crate) fn values(stored: u128) -> u128 {
-        9 * stored * stored + 2
     }
 
     /// Adds the sums over `realizations` of leaf `leaf`: all of them, or as many as the last one has.
@@ -130,7 +126,7 @@ impl Sums for WaveCovariance {
 
     fn decode(from: &mut Decoder<'_>) -> Result<Self> {
         let stored: u32 = from.read("stored")?;
-        let values = usize::try_from(Self::values(u128::from(stored))).unwrap_or(usize::MAX);
+        let values = usize::try_from(covariance_values(u128::from(stored))).unwrap_or(usize::MAX);
         Ok(Self {
             computed_by: ComputedBy::decode(from)?,
             realizations: from.count("realizations")?,

@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::{Batch, EnsembleShape, WaveGrid};
-use crate::accumulate::WaveCovariance;
 use crate::error::{Error, Result};
 use crate::points::Domain;
 use crate::setting::Setting;
@@ -20,6 +19,12 @@ pub struct CovariancePlan {
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
     pub batch: Batch,
+}
+
+/// Numbers in the sums of `stored` wave vectors: products of two components, the same times the norm, products of two powers,
+/// and the norm and its square.
+pub(crate) fn covariance_values(stored: u128) -> u128 {
+    9 * stored * stored + 2
 }
 
 impl CovariancePlan {
@@ -67,7 +72,7 @@ impl CovariancePlan {
 fn bytes(modes: u128, realizations: u64) -> u128 {
     let stored = modes.div_ceil(2);
     let waiting = 2 + u128::from(u64::BITS - (realizations / 16).leading_zeros());
-    8 * WaveCovariance::values(stored).saturating_mul(waiting) + 24 * modes * modes
+    8 * covariance_values(stored).saturating_mul(waiting) + 24 * modes * modes
 }
 
 impl fmt::Display for CovariancePlan {

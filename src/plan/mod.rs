@@ -32,6 +32,7 @@ pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
 pub use cell_grid::{CellAxis, CellGrid, StencilRow};
 pub use convention::Convention;
 pub use covariance_plan::CovariancePlan;
+pub(crate) use covariance_plan::covariance_values;
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelMethod, KernelPlan};
 pub(crate) use lag_plan::DEFAULT_RINGS;

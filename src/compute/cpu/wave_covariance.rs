@@ -14,8 +14,8 @@ use crate::accumulate::{CovarianceSums, WaveCovariance};
 use crate::compute::Compute;
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::LEAF;
 use crate::plan::{CovariancePlan, MEMORY_BUDGET, WaveVectors};
+use crate::plan::{LEAF, covariance_values};
 use crate::points::Ensemble;
 
 pub(super) fn wave_covariance(
@@ -39,7 +39,7 @@ pub(super) fn wave_covariance(
         Ok(())
     };
     let threads = cpu.threads();
-    let bytes = 8 * WaveCovariance::values(plan.stored() as u128);
+    let bytes = 8 * covariance_values(plan.stored() as u128);
     if leaves.len() >= threads && bytes * threads as u128 <= u128::from(MEMORY_BUDGET) {
         let next = AtomicUsize::new(0);
         let results = cpu.pool.broadcast(|_| {
