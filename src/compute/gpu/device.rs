@@ -1,6 +1,7 @@
 //! Adapters and the one device: opened once, borrowed by everything that needs it.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+#[cfg(not(target_arch = "wasm32"))]
 use std::time::Duration;
 
 use super::answer::Answer;
@@ -121,7 +122,8 @@ pub(super) fn refused(choice: AdapterChoice, failures: &[String]) -> Error {
 }
 
 /// Longest wait for one submission. The work of each is bounded to about a second on slow hardware.
-pub(super) const TIMEOUT: Duration = Duration::from_secs(300);
+#[cfg(not(target_arch = "wasm32"))]
+const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// A submission whose end the device will tell of.
 pub(super) struct Waiting<T> {
