@@ -8,7 +8,7 @@
 mod common;
 
 use pairwave::compute::cpu::SimdLevel;
-use pairwave::compute::cpu::nufft::{Nufft, Points, Scratch};
+use pairwave::compute::cpu::nufft::{Nonuniform, Nufft, Scratch};
 use pairwave::control::Control;
 use pairwave::plan::WaveGrid;
 
@@ -58,7 +58,7 @@ fn main() {
 fn measured(axes: &[&[u64]], f: &[u32], tolerance: f64) -> (f64, Vec<f64>) {
     let grid = WaveGrid::new(f).expect("a grid");
     let nufft = Nufft::new(&grid, tolerance, axes[0].len() as f64, SimdLevel::detect()).expect("a plan");
-    let points = Points { axes, weights: None };
+    let points = Nonuniform { axes, weights: None };
     let (mut scratch, mut power) = (Scratch::default(), vec![0.0; grid.half_len()]);
     let mut best = f64::INFINITY;
     for _ in 0..REPETITIONS {

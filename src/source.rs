@@ -18,7 +18,7 @@ use crate::samplers::{self, Process};
 use crate::setting::Setting;
 
 /// The points of one request.
-pub struct Source {
+pub struct Points {
     subject: String,
     domain: Domain,
     shape: EnsembleShape,
@@ -104,7 +104,7 @@ struct Marking {
     classes: Option<HashMap<String, u32>>,
 }
 
-impl Source {
+impl Points {
     /// Reads the files, or prepares the sampler; resolves the domain.
     pub fn open(request: &PointsRequest) -> Result<Self> {
         if let Some(name) = &request.sampler {
@@ -191,10 +191,10 @@ impl Source {
     ///
     /// ```
     /// use pairwave::points::Domain;
-    /// use pairwave::source::Source;
+    /// use pairwave::source::Points;
     ///
     /// let sets = [vec![0.1, 0.2, 0.7, 0.9], vec![0.5, 0.5]];
-    /// let points = Source::new(Domain::unit_torus(2), &sets)?;
+    /// let points = Points::new(Domain::unit_torus(2), &sets)?;
     /// assert_eq!((points.shape().realizations, points.shape().max_points), (2, 2));
     /// # Ok::<(), pairwave::Error>(())
     /// ```
@@ -481,7 +481,7 @@ impl<'a> FirstPass<'a> {
         subject: String,
         held: Option<Vec<MarkedPoints>>,
         files: impl FnOnce(Marking) -> Files,
-    ) -> Result<Source> {
+    ) -> Result<Points> {
         let domain = self.domain()?;
         let Self { request, sizes, hash, weights, names, numbers, .. } = self;
         let mut marks = Marking {
@@ -507,7 +507,7 @@ impl<'a> FirstPass<'a> {
             "classes": request.class_column,
             "wrap": request.wrap,
         });
-        Ok(Source { subject, domain, shape: EnsembleShape::of(&sizes), identity, classes: names, weights, kind })
+        Ok(Points { subject, domain, shape: EnsembleShape::of(&sizes), identity, classes: names, weights, kind })
     }
 }
 

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::estimate::{Analysis, Curve, Envelope, Envelopes};
 use crate::points::{Domain, Ensemble, RawPoints};
 use crate::samplers::{self, ParameterValues, Realization};
-use crate::source::Source;
+use crate::source::Points;
 use crate::statistics::ROOMS;
 
 /// Every estimated function that has an envelope.
@@ -40,7 +40,7 @@ pub(super) async fn envelopes(
         let draw = move |range: std::ops::Range<u64>| {
             random(&of, u64::MAX - s, range.start, &n[range.start as usize..range.end as usize])
         };
-        let source = Source::drawn("simulation", domain.clone(), observed.shape(), Box::new(draw));
+        let source = Points::drawn("simulation", domain.clone(), observed.shape(), Box::new(draw));
         let mut simulation = Measurement::new(observed.request.clone(), Arc::new(source), plan.clone());
         while simulation.advance(device, control, &mut |_| ()).await? {}
         let curves = simulation.estimates().map_or(Vec::new(), |found| curves(&found));

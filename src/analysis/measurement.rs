@@ -18,7 +18,7 @@ use crate::plan::{EnsembleShape, LEAF};
 use crate::points::Ensemble;
 use crate::request::{PointsRequest, Request};
 use crate::setting::Setting;
-use crate::source::Source;
+use crate::source::Points;
 use crate::statistics::group::{Effort, KeptPart, Part, PartSums, Subject, together};
 
 /// Seconds that a step of a measurement that is looked at aims at, so that whoever takes steps can look up between them.
@@ -52,7 +52,7 @@ const STEP: f64 = 0.05;
 /// ```
 pub struct Measurement {
     pub(super) request: Request,
-    pub(super) source: Arc<Source>,
+    pub(super) source: Arc<Points>,
     pub(super) plan: Plan,
     /// The realizations that it is to hold.
     pub(super) span: Range<u64>,
@@ -94,13 +94,13 @@ impl Measurement {
     /// # Errors
     /// Files that cannot be read, settings that cannot be.
     pub fn of(request: &Request) -> Result<Self> {
-        let source = Arc::new(Source::open(&request.input)?);
+        let source = Arc::new(Points::open(&request.input)?);
         let plan = Plan::of(request, &source)?;
         Ok(Self::new(request.clone(), source, plan))
     }
 
     /// By a plan that was made of the request and these points.
-    pub fn new(request: Request, source: Arc<Source>, plan: Plan) -> Self {
+    pub fn new(request: Request, source: Arc<Points>, plan: Plan) -> Self {
         let span = 0..source.shape().realizations;
         let tracks = plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
         Self {
@@ -124,7 +124,7 @@ impl Measurement {
     /// # Errors
     /// As `of`; envelopes, which need all realizations at once, are refused.
     pub fn live(request: &Request, device: &Device) -> Result<Self> {
-        let source = Arc::new(Source::open(&request.input)?);
+        let source = Arc::new(Points::open(&request.input)?);
         let plan = live_plan(request, &source, device)?;
         let mut new = Self { live: true, ..Self::new(request.clone(), source, plan) };
         new.tracks.iter_mut().for_each(|track| track.part.keep_ready());
@@ -169,7 +169,7 @@ impl Measurement {
         }
         let source = match request.input == self.request.input {
             true => self.source.clone(),
-            false => Arc::new(Source::open(&request.input)?),
+            false => Arc::new(Points::open(&request.input)?),
         };
         let plan = live_plan(request, &source, device)?;
         (self.request, self.source, self.plan) = (request.clone(), source, plan);
@@ -414,7 +414,7 @@ impl Measurement {
     }
 }
 
-fn live_plan(request: &Request, source: &Source, device: &Device) -> Result<Plan> {
+fn live_plan(request: &Request, source: &Points, device: &Device) -> Result<Plan> {
     let plan = Plan::of(request, source)?.for_device(device.compute());
     if plan.simulations > 0 {
         let reason = "needs all realizations at once: not while they come in";

@@ -20,7 +20,7 @@ use crate::compute::Device;
 use crate::control::{Control, Instant, Progress};
 use crate::error::{Error, Result};
 use crate::request::Request;
-use crate::source::Source;
+use crate::source::Points;
 
 /// Carries out a request on points and a device.
 ///
@@ -28,7 +28,7 @@ use crate::source::Source;
 /// What the points or the device say; `Error::Cancelled` once `control` was told so.
 pub fn run(
     request: &Request,
-    source: Arc<Source>,
+    source: Arc<Points>,
     plan: Plan,
     device: &Device,
     control: &Control,

@@ -8,7 +8,7 @@ use crate::plan::{Convention, EnsembleShape};
 use crate::points::Domain;
 use crate::request::{Lists, Request, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
 use crate::setting::Setting;
-use crate::source::Source;
+use crate::source::Points;
 use crate::statistics::ROOMS;
 use crate::statistics::group::{Ask, Parts};
 
@@ -33,7 +33,7 @@ impl Plan {
     ///
     /// # Errors
     /// Settings that cannot be, contradict each other or say nothing about what is asked for; too few points.
-    pub fn of(request: &Request, source: &Source) -> Result<Self> {
+    pub fn of(request: &Request, source: &Points) -> Result<Self> {
         let plan = Self::with(request, source.domain(), source.shape(), source.classes(), Lists::default())?;
         let pairs = [Statistic::Pcf, Statistic::KFunction].iter().any(|s| request.stats.contains(s));
         if let Some(column) = request.input.weight_column.as_ref().filter(|_| pairs) {

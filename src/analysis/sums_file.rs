@@ -14,7 +14,7 @@ use crate::plan::{EnsembleShape, WaveList};
 use crate::points::{Boundary, Domain, Ensemble};
 use crate::request::{Lists, Request, SETTINGS};
 use crate::setting::Setting;
-use crate::source::Source;
+use crate::source::Points;
 use crate::statistics::group::Part;
 
 impl Measurement {
@@ -97,8 +97,8 @@ impl Measurement {
     ///
     /// # Errors
     /// Other points.
-    pub fn attach(&mut self, source: Arc<Source>) -> Result<()> {
-        let domain = |source: &Source| json!({ "points": source.identity(), "domain": source.domain() });
+    pub fn attach(&mut self, source: Arc<Points>) -> Result<()> {
+        let domain = |source: &Points| json!({ "points": source.identity(), "domain": source.domain() });
         if let Some(difference) = difference("", &domain(&self.source), &domain(&source)) {
             return Err(Error::input(source.subject(), format!("other points were measured: {difference}")));
         }
@@ -164,8 +164,8 @@ impl Measurement {
         let plan = Plan::with(&request, &domain, shape, &classes, lists)?;
         // Those of a sampler are made anew.
         let source = match (&request.input.sampler, identity["points"]["sampler"].is_string()) {
-            (Some(_), true) => Source::open(&request.input)?,
-            _ => Source::elsewhere(from.read("subject")?, domain.clone(), shape, classes, identity["points"].clone()),
+            (Some(_), true) => Points::open(&request.input)?,
+            _ => Points::elsewhere(from.read("subject")?, domain.clone(), shape, classes, identity["points"].clone()),
         };
         let mut read = Self::new(request, Arc::new(source), plan);
         if let Some(difference) = difference("", &identity, &read.identity()) {

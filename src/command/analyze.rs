@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pairwave::analysis::{self, Plan};
 use pairwave::compute::Device;
 use pairwave::request::{Request, shell_words};
-use pairwave::source::Source;
+use pairwave::source::Points;
 use pairwave::{Result, check_threads, report};
 
 use super::print;
@@ -46,7 +46,7 @@ impl Analyze {
             check_threads(threads)?;
         }
         let control = stop_on_interrupt()?;
-        let source = Arc::new(Source::open(&self.request.input)?);
+        let source = Arc::new(Points::open(&self.request.input)?);
         let plan = Plan::of(&self.request, &source)?;
         let device = pollster::block_on(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Normalization;
 use super::ratio::ratio;
 use crate::accumulate::PairCounts;
-use crate::plan::{BandwidthSearch, Divisor, Kernel, sphere_surface};
+use crate::plan::{BandwidthSearch, Divisor, Smoothing, sphere_surface};
 
 /// Bandwidths tried, log-spaced, before the best is refined between its neighbours.
 const TRIED: usize = 32;
@@ -80,7 +80,7 @@ impl CrossValidation {
         normalization: Normalization,
         bandwidth: f64,
     ) -> f64 {
-        let kernel = Kernel { shape: search.shape, bandwidth };
+        let kernel = Smoothing { shape: search.shape, bandwidth };
         let (bins, domain) = (&search.pairs.bins, &search.pairs.domain);
         let density = domain.measure() / ratio(counts, &counts.bins, 0, normalization).norm;
         let width = bins.r_max() / bins.len() as f64;

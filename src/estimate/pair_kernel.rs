@@ -3,7 +3,7 @@
 use super::Analysis;
 use super::{CrossValidation, ErrorSource, Normalization, ratio_standard_error};
 use crate::accumulate::KernelSums;
-use crate::plan::{Divisor, Kernel, KernelMethod, KernelPlan, sphere_surface};
+use crate::plan::{Divisor, KernelMethod, KernelPlan, Smoothing, sphere_surface};
 
 /// `g(r) = |D| sum_k c_k(r) / (S(r) sum_k N)` over realizations k, with `c_k` their kernel sums, `S` the surface of the
 /// sphere of radius r (divisor r; for divisor d it is in the sums) and `N` as for `PairCorrelation`; see Illian et al. 2008,
@@ -12,7 +12,7 @@ use crate::plan::{Divisor, Kernel, KernelMethod, KernelPlan, sphere_surface};
 #[derive(Debug, Clone, PartialEq)]
 pub struct KernelEstimate {
     /// The kernel.
-    pub kernel: Kernel,
+    pub kernel: Smoothing,
     /// What pairs were divided by.
     pub divisor: Divisor,
     /// How the sum was taken.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Correction, Divisor, EnsembleShape, Kernel, PairPlan, PairSettings, RadialBins, SmoothingKernel};
+use super::{Correction, Divisor, EnsembleShape, PairPlan, PairSettings, RadialBins, Smoothing, SmoothingKernel};
 use crate::error::{Error, Result, number};
 use crate::points::Domain;
 use crate::setting::Setting;
@@ -42,7 +42,7 @@ pub enum KernelMethod {
 #[derive(Debug, Clone, PartialEq)]
 pub struct KernelPlan {
     /// The kernel.
-    pub kernel: Kernel,
+    pub kernel: Smoothing,
     /// What a pair is divided by.
     pub divisor: Divisor,
     /// Where g is estimated, increasing.
@@ -69,7 +69,7 @@ impl KernelPlan {
     /// than counting into the fine bins of every realization and smoothing them, or the only one (divisor d, where bins at
     /// 0 would not do; very small bandwidths).
     pub fn new(
-        kernel: Kernel,
+        kernel: Smoothing,
         divisor: Divisor,
         r: Vec<f64>,
         exact: bool,
@@ -106,7 +106,7 @@ impl KernelPlan {
 
     /// The same with another bandwidth.
     pub fn with_bandwidth(&self, bandwidth: f64) -> Result<Self> {
-        let (kernel, pairs) = (Kernel { bandwidth, ..self.kernel }, &self.pairs);
+        let (kernel, pairs) = (Smoothing { bandwidth, ..self.kernel }, &self.pairs);
         let settings = PairSettings { masses: pairs.masses, ..pairs.correction.into() };
         let new = Self::new(kernel, self.divisor, self.r.clone(), self.exact, &pairs.domain, settings, pairs.shape)?;
         Ok(Self { pairs: new.pairs.for_device(pairs.device), ..new })
@@ -152,7 +152,7 @@ impl fmt::Display for KernelPlan {
             Divisor::R => "r",
             Divisor::D => "d",
         };
-        let Kernel { shape, bandwidth } = self.kernel;
+        let Smoothing { shape, bandwidth } = self.kernel;
         writeln!(f, "kernel estimate: {shape:?}, bandwidth {bandwidth}, divisor {divisor}")?;
         match self.method {
             KernelMethod::Direct => {

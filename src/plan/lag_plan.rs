@@ -205,7 +205,7 @@ impl LagFilter {
 
 /// The part of a ring within a sector: the cells whose centres lie in it, one of each mirror pair.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RingSector {
+pub struct LagSector {
     /// Inner radius, radius and outer radius of the ring, in length units.
     pub r: [f64; 3],
     /// First, central and last direction in radians from the x axis; opposite directions are the same.
@@ -226,7 +226,7 @@ pub struct LagPlan {
     /// `Translation`: expected counts follow the set covariance of the window; `None`: they do not.
     pub correction: Correction,
     /// Rings along which g is followed round, sector by sector; 2D only.
-    pub sectors: Vec<RingSector>,
+    pub sectors: Vec<LagSector>,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -286,7 +286,7 @@ impl LagPlan {
 
 /// The sectors of all rings, ring by ring. A ring is two cells wide (two longer sides of a cell). Sectors are centred on
 /// multiples of pi / N, N a multiple of 4, so that the axes and the diagonals are centres and not borders.
-fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: EnsembleShape) -> Result<Vec<RingSector>> {
+fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: EnsembleShape) -> Result<Vec<LagSector>> {
     if domain.dim() != 2 {
         return match rings {
             Some(r) => {
@@ -325,7 +325,7 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
         let first = all.len();
         all.extend((0..count).map(|s| {
             let theta = s as f64 * step;
-            RingSector { r: ring, theta: [theta - step / 2.0, theta, theta + step / 2.0], cells: Vec::new() }
+            LagSector { r: ring, theta: [theta - step / 2.0, theta, theta + step / 2.0], cells: Vec::new() }
         }));
         // Of each mirror pair the one with a direction in [0, pi), which is in the second half of the list or at its middle.
         for bx in 0..grid.bins {

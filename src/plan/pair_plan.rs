@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::ring_measure::ring_measure;
+use super::shell_measure::shell_measure;
 use super::{Batch, BinFilter, EnsembleShape, PairDevice, PairSearch, RadialBins, SearchCosts, SearchEstimate, Tile};
 use crate::error::{Error, Result, number};
 use crate::named::named;
@@ -130,7 +130,7 @@ impl PairPlan {
     pub fn shell_measure(&self, k: usize) -> f64 {
         let (lo, hi) = (self.bins.edges()[k], self.bins.edges()[k + 1]);
         if self.domain.is_torus() && hi > self.domain.shortest_side() / 2.0 {
-            ring_measure(lo, hi, self.domain.sides())
+            shell_measure(lo, hi, self.domain.sides())
         } else {
             self.bins.shell_measure(k, self.domain.dim())
         }

@@ -33,7 +33,7 @@ named!(Divisor: R = "r", D = "d");
 
 /// A kernel with its bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Kernel {
+pub struct Smoothing {
     /// Its shape.
     pub shape: SmoothingKernel,
     /// Its standard deviation, in the domain's length unit.
@@ -51,7 +51,7 @@ impl SmoothingKernel {
     }
 }
 
-impl Kernel {
+impl Smoothing {
     /// The distance from which on the kernel is 0.
     pub fn reach(&self) -> f64 {
         self.shape.reach() * self.bandwidth

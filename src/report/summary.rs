@@ -12,7 +12,7 @@ use crate::statistics::Keys;
 pub(super) const SCHEMA: u32 = 1;
 
 #[derive(Serialize)]
-struct Points {
+struct Sizes {
     min: u64,
     mean: f64,
     max: u64,
@@ -75,7 +75,7 @@ pub(super) fn json(a: &Analysis, files: Vec<&'static str>) -> serde_json::Result
     keys.add("version", env!("CARGO_PKG_VERSION"))?;
     keys.add("subject", &a.subject)?;
     keys.add("parameters", &InOrder(joined(&a.parameters)))?;
-    keys.add("n", &Points { min: a.min_points, mean: a.shape.mean_points, max: a.shape.max_points })?;
+    keys.add("n", &Sizes { min: a.min_points, mean: a.shape.mean_points, max: a.shape.max_points })?;
     keys.add("k", &a.shape.realizations)?;
     keys.add("d", &a.domain.dim())?;
     let domain = DomainOut {

@@ -216,7 +216,7 @@ mod tests {
     use crate::plan::EnsembleShape;
     use crate::points::Domain;
     use crate::request::dress;
-    use crate::source::Source;
+    use crate::source::Points;
 
     fn request(line: &str) -> Request {
         Request::parse(line.split_whitespace().map(String::from)).unwrap()
@@ -257,7 +257,7 @@ mod tests {
         std::fs::write(file.path(), "1 2\n3 4\n5 1\n").unwrap();
         let window = format!("--window 0,6,0,6 {}", file.path().display());
         let decided = |request: &Request| {
-            let source = Source::open(&request.input).unwrap();
+            let source = Points::open(&request.input).unwrap();
             let plan = Plan::of(request, &source).unwrap();
             (source.subject().to_string(), source.domain().clone(), plan)
         };

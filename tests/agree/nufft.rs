@@ -1,7 +1,7 @@
 //! The nonuniform FFT against the definition: exact phases, sines and cosines in f64, term by term.
 
 use pairwave::compute::cpu::SimdLevel;
-use pairwave::compute::cpu::nufft::{Nufft, Points, Scratch};
+use pairwave::compute::cpu::nufft::{Nonuniform, Nufft, Scratch};
 use pairwave::compute::reference::phase_turns;
 use pairwave::control::Control;
 use pairwave::plan::{Accuracy, WaveGrid};
@@ -71,7 +71,7 @@ impl Case {
     fn amplitudes_by(&self, nufft: &Nufft, grid: &WaveGrid, pool: Option<&pairwave::Pool>) -> Vec<Complex<f64>> {
         // NaN, so that whatever is not written cannot pass.
         let mut out = vec![Complex::new(f64::NAN, f64::NAN); grid.half_len()];
-        let points = Points { axes: &self.views(), weights: self.weights.as_deref() };
+        let points = Nonuniform { axes: &self.views(), weights: self.weights.as_deref() };
         nufft.amplitudes(&points, &mut Scratch::default(), pool, &Control::default(), &mut out).unwrap();
         out
     }
@@ -84,7 +84,7 @@ impl Case {
     fn power(&self, grid: &WaveGrid, tolerance: f64, points: f64) -> Vec<f64> {
         let nufft = Nufft::new(grid, tolerance, points, SimdLevel::detect()).unwrap();
         let mut out = vec![f64::NAN; grid.half_len()];
-        let points = Points { axes: &self.views(), weights: self.weights.as_deref() };
+        let points = Nonuniform { axes: &self.views(), weights: self.weights.as_deref() };
         nufft.power(&points, &mut Scratch::default(), None, &Control::default(), &mut out).unwrap();
         out
     }
@@ -321,7 +321,7 @@ fn threads_and_scratch_do_not_change_a_bit() {
             }
             // What another plan and other points left behind.
             let mut out = vec![Complex::default(); grid.half_len()];
-            let points = Points { axes: &case.views(), weights: case.weights.as_deref() };
+            let points = Nonuniform { axes: &case.views(), weights: case.weights.as_deref() };
             nufft.amplitudes(&points, &mut scratch, None, &Control::default(), &mut out).unwrap();
             assert_eq!(one, out, "{f:?} with used scratch");
         }
@@ -375,7 +375,7 @@ fn cancelled_work_says_so() {
     let nufft = Nufft::new(&grid, 1e-6, 100.0, SimdLevel::detect()).unwrap();
     let control = Control::default();
     control.cancel();
-    let points = Points { axes: &case.views(), weights: None };
+    let points = Nonuniform { axes: &case.views(), weights: None };
     let result = nufft.power(&points, &mut Scratch::default(), None, &control, &mut vec![0.0; grid.half_len()]);
     assert!(matches!(result, Err(pairwave::Error::Cancelled)));
 }

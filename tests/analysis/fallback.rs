@@ -13,7 +13,7 @@ use pairwave::control::Control;
 use pairwave::plan::{LagPlan, PairPlan, WavePlan};
 use pairwave::points::Ensemble;
 use pairwave::request::Request;
-use pairwave::source::Source;
+use pairwave::source::Points;
 use pairwave::{Error, Result};
 
 /// A device that computes rightly, as a GPU, until its lifetime in calls is over.
@@ -106,7 +106,7 @@ impl Compute for Mortal {
 }
 
 fn analyze(request: &Request, compute: impl Compute + 'static) -> Result<Analysis> {
-    let source = Arc::new(Source::open(&request.input)?);
+    let source = Arc::new(Points::open(&request.input)?);
     let plan = Plan::of(request, &source)?;
     let device = Device::new(Box::new(compute), Some(2)).unwrap();
     analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ())
@@ -170,7 +170,7 @@ fn a_device_lost_between_classes_leaves_no_mixture() {
 #[test]
 fn cancelling_ends_with_nothing() {
     let request = request("--sampler random -n 30 -k 50000");
-    let source = Arc::new(Source::open(&request.input).unwrap());
+    let source = Arc::new(Points::open(&request.input).unwrap());
     let plan = Plan::new(&request, source.domain(), source.shape()).unwrap();
     let control = Control::default();
     let cpu = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None).unwrap();
@@ -189,7 +189,7 @@ fn cancelling_ends_with_nothing() {
 #[test]
 fn a_plan_is_a_value_that_prints() {
     let request = request("--sampler random -n 1000 -k 100 --stats pcf,radial");
-    let source = Source::open(&request.input).unwrap();
+    let source = Points::open(&request.input).unwrap();
     let plan = Plan::new(&request, source.domain(), source.shape()).unwrap();
     let text = plan.to_string();
     for line in ["pair_counts: ", "wave_power: ", "skipped: half of the pairs", "skipped: neighbors (not asked for)"] {

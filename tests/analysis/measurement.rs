@@ -11,7 +11,7 @@ use pairwave::compute::{Device, cpu::Cpu};
 use pairwave::control::Control;
 use pairwave::report;
 use pairwave::request::Request;
-use pairwave::source::Source;
+use pairwave::source::Points;
 
 fn device() -> Device {
     Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2)).unwrap()
@@ -43,7 +43,7 @@ fn files(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 }
 
 fn whole(request: &Request, device: &Device) -> BTreeMap<String, Vec<u8>> {
-    let source = Arc::new(Source::open(&request.input).unwrap());
+    let source = Arc::new(Points::open(&request.input).unwrap());
     let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
     files(&pairwave::analysis::run(request, source, plan, device, &Control::default(), &mut |_| ()).unwrap())
 }
@@ -134,7 +134,7 @@ fn a_measurement_that_was_read_goes_on() {
             }
             let done = !first.step(&device, &Control::default()).unwrap();
             let mut rest = Measurement::read("first", &first.write()).unwrap();
-            rest.attach(Arc::new(Source::open(&request.input).unwrap())).unwrap();
+            rest.attach(Arc::new(Points::open(&request.input).unwrap())).unwrap();
             let total = rest.total();
             let mut rest = rest.to(0..total);
             while rest.step(&device, &Control::default()).unwrap() {}
@@ -205,7 +205,7 @@ fn what_is_not_of_one_whole_is_refused_by_name() {
     let read = shard(&request(&write(1)), 0..1, &device).write();
     let line = write(2);
     let mut read = Measurement::read("old", &read).unwrap();
-    let error = read.attach(Arc::new(Source::open(&request(&line).input).unwrap())).unwrap_err().to_string();
+    let error = read.attach(Arc::new(Points::open(&request(&line).input).unwrap())).unwrap_err().to_string();
     assert!(error.contains("other points were measured"), "{error}");
 }
 

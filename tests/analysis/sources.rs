@@ -6,7 +6,7 @@ use crate::common::Rng;
 use pairwave::control::Control;
 use pairwave::points::{Domain, RawPoints, write};
 use pairwave::request::{PointsRequest, Request};
-use pairwave::source::Source;
+use pairwave::source::Points;
 
 fn points(line: &str) -> PointsRequest {
     Request::parse(line.split_whitespace().map(String::from)).unwrap().input
@@ -65,10 +65,10 @@ fn what_is_read_again_is_what_was_held() {
     let folder = tempfile::tempdir().unwrap();
     for line in inputs(folder.path()) {
         let request = points(&line);
-        let held = Source::open(&request).unwrap();
+        let held = Points::open(&request).unwrap();
         let control = Control::default();
         for budget in [0, 1000] {
-            let lazy = Source::files_within(&request, budget).unwrap();
+            let lazy = Points::files_within(&request, budget).unwrap();
             assert_eq!(lazy.shape(), held.shape(), "{line}");
             assert_eq!(lazy.classes(), held.classes(), "{line}");
             assert_eq!((lazy.subject(), lazy.domain()), (held.subject(), held.domain()), "{line}");
@@ -87,7 +87,7 @@ fn what_cannot_be_used_is_found_when_files_are_opened() {
     let line = inputs(folder.path()).remove(0);
     std::fs::write(folder.path().join("set_9.csv"), "0.5,0.5\n0.5,1.5\n").unwrap();
     for budget in [0, u64::MAX] {
-        let error = Source::files_within(&points(&line), budget).err().unwrap().to_string();
+        let error = Points::files_within(&points(&line), budget).err().unwrap().to_string();
         assert!(error.contains("set_9.csv:2") && error.contains("y = 1.5"), "{error}");
     }
 }
@@ -96,7 +96,7 @@ fn what_cannot_be_used_is_found_when_files_are_opened() {
 fn files_that_change_meanwhile_are_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let line = inputs(folder.path()).remove(2);
-    let lazy = Source::files_within(&points(&line), 0).unwrap();
+    let lazy = Points::files_within(&points(&line), 0).unwrap();
     std::fs::write(folder.path().join("batch.txt"), "0.1 0.1\n0.2 0.2\n").unwrap();
     let error = lazy.batch(3..5, &Control::default()).unwrap_err().to_string();
     assert!(error.contains("batch.txt") && error.contains("fewer realizations"), "{error}");
@@ -110,20 +110,20 @@ fn bytes_with_a_name_are_read_as_that_file() {
     for name in ["batch.npy", "batch.npz", "batch.txt", "set_3.csv"] {
         let path = folder.path().join(name);
         let (bytes, request) = (std::fs::read(&path).unwrap(), points(&path.display().to_string()));
-        let file = Source::open(&request).unwrap();
-        let read = Source::from_bytes(name, &bytes, &request).unwrap();
+        let file = Points::open(&request).unwrap();
+        let read = Points::from_bytes(name, &bytes, &request).unwrap();
         let all = file.shape().realizations;
         assert_eq!(read.batch(0..all, &control).unwrap(), file.batch(0..all, &control).unwrap(), "{name}");
         assert_eq!(read.subject(), name);
     }
-    let error = Source::from_bytes("dropped.csv", b"0.1,0.2\n0.3,x\n", &points("f")).err().unwrap().to_string();
+    let error = Points::from_bytes("dropped.csv", b"0.1,0.2\n0.3,x\n", &points("f")).err().unwrap().to_string();
     assert!(error.starts_with("dropped.csv:2"), "{error}");
 }
 
 #[test]
 fn points_in_memory_say_what_is_wrong_with_them() {
     let unit = || Domain::unit_torus(2);
-    let error = |sets: &[Vec<f64>]| Source::new(unit(), sets).err().unwrap().to_string();
+    let error = |sets: &[Vec<f64>]| Points::new(unit(), sets).err().unwrap().to_string();
     assert!(error(&[vec![0.1, 0.2, 0.3]]).contains("realization 0: 3 numbers"));
     assert!(error(&[vec![0.1, 0.2], vec![0.3, 1.5]]).contains("realization 1, point 0: y = 1.5"));
     assert!(error(&[]).contains("no realizations"));

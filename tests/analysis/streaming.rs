@@ -7,7 +7,7 @@ use crate::common::{files, request};
 use pairwave::analysis::{self, Measurement, Plan};
 use pairwave::compute::{Device, cpu::Cpu};
 use pairwave::control::Control;
-use pairwave::source::Source;
+use pairwave::source::Points;
 
 fn device() -> Device {
     Device::new(Box::new(Cpu::new(Some(2)).unwrap()), Some(2)).unwrap()
@@ -15,7 +15,7 @@ fn device() -> Device {
 
 fn at_once(line: &str) -> BTreeMap<String, Vec<u8>> {
     let (request, cpu) = (request(line), device());
-    let source = Arc::new(Source::open(&request.input).unwrap());
+    let source = Arc::new(Points::open(&request.input).unwrap());
     let plan = Plan::of(&request, &source).unwrap().for_device(cpu.compute());
     files(&analysis::run(&request, source, plan, &cpu, &Control::default(), &mut |_| ()).unwrap())
 }

@@ -6,7 +6,7 @@ use pairwave::accumulate::PairCounts;
 use pairwave::compute::Compute;
 use pairwave::control::Control;
 use pairwave::estimate::{CrossValidation, Normalization};
-use pairwave::plan::{Bandwidth, BandwidthSearch, Correction, Divisor, Kernel, SmoothingKernel};
+use pairwave::plan::{Bandwidth, BandwidthSearch, Correction, Divisor, Smoothing, SmoothingKernel};
 use pairwave::points::{Domain, Ensemble};
 use pairwave::samplers::{ParameterValues, find};
 
@@ -30,7 +30,7 @@ fn search(e: &Ensemble, shape_: SmoothingKernel, r: [f64; 2]) -> (BandwidthSearc
 }
 
 /// Guan's score, pair by pair.
-fn brute_force_score(e: &Ensemble, kernel: Kernel, divisor: Divisor, [from, to]: [f64; 2]) -> f64 {
+fn brute_force_score(e: &Ensemble, kernel: Smoothing, divisor: Divisor, [from, to]: [f64; 2]) -> f64 {
     let surface = |r: f64| std::f64::consts::TAU * r;
     let (mut distances, mut norm) = (Vec::new(), 0.0);
     for k in 0..e.realizations() {
@@ -68,7 +68,7 @@ fn the_score_of_cross_validation_is_guans() {
         let [lo, hi] = search.range;
         for bandwidth in [lo, (lo * hi).sqrt(), hi] {
             let ours = CrossValidation::score(&search, &counts, divisor, Normalization::Pairs, bandwidth);
-            let truth = brute_force_score(&e, Kernel { shape, bandwidth }, divisor, search.distances);
+            let truth = brute_force_score(&e, Smoothing { shape, bandwidth }, divisor, search.distances);
             assert!((ours - truth).abs() < 0.01 * truth.abs(), "{shape:?}, {bandwidth}: {ours} against {truth}");
         }
         let found = CrossValidation::new(&search, &counts, divisor, Normalization::Pairs);
@@ -91,7 +91,7 @@ fn cross_validation_beats_the_rule_of_thumb() {
         let found = CrossValidation::new(&search, &counts, Divisor::R, Normalization::Pairs);
         assert!(!found.at_end && search.distances == [r[0], r[199]], "{found:?}");
         let squared_error = |bandwidth: f64| {
-            let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth };
+            let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth };
             let g = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, Correction::None, 400.0), &e);
             let error = |(r, g): (&f64, &Option<f64>)| {
                 (g.unwrap() - sampler.pair_correlation(400, 2, *r, &values).unwrap()).powi(2) * r

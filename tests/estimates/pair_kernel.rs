@@ -8,13 +8,13 @@ use pairwave::compute::{Compute, binned_kernel_sums};
 use pairwave::control::Control;
 use pairwave::estimate::{ErrorSource, KernelEstimate, Normalization};
 use pairwave::plan::{
-    BinScale, Correction, Divisor, EnsembleShape, Kernel, KernelMethod, KernelPlan, PairSettings, RadialBins,
+    BinScale, Correction, Divisor, EnsembleShape, KernelMethod, KernelPlan, PairSettings, RadialBins, Smoothing,
     SmoothingKernel,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 /// g at `r` from the kernel sum over all pairs, by the formula, on f64 coordinates.
-fn exact_kernel_sum(points: &RawPoints, domain: &Domain, kernel: Kernel, divisor: Divisor, r: f64) -> f64 {
+fn exact_kernel_sum(points: &RawPoints, domain: &Domain, kernel: Smoothing, divisor: Divisor, r: f64) -> f64 {
     let (n, dim, sides, bw) = (points.len(), domain.dim(), domain.sides(), kernel.bandwidth);
     let surface = |r: f64| [2.0, std::f64::consts::TAU * r, 2.0 * std::f64::consts::TAU * r * r][dim - 1];
     let mut sum = 0.0;
@@ -78,7 +78,7 @@ fn direct_kernel_sums_are_the_formula() {
             let e = Ensemble::from_raw(std::slice::from_ref(&points), &domain, false, 0).unwrap();
             let r: Vec<f64> = (1..=40).map(|i| f64::from(i) * 0.00741).collect();
             for (shape, divisor) in SHAPES.into_iter().flat_map(|s| [(s, Divisor::R), (s, Divisor::D)]) {
-                let kernel = Kernel { shape, bandwidth: 0.012 };
+                let kernel = Smoothing { shape, bandwidth: 0.012 };
                 let plan = kernel_plan(&e, kernel, divisor, &r, correction, 150.0);
                 let formula: Vec<_> =
                     r.iter().map(|&r| Some(exact_kernel_sum(&points, &domain, kernel, divisor, r))).collect();
@@ -101,7 +101,7 @@ fn the_fast_direct_sum_is_the_reference() {
             let sets = [0, 1, 2, 31, 32, 33, 700].map(|n| uniform(dim, n, n as u64));
             let sets = sets.into_iter().chain([clustered(dim, 300, 4), lattice(dim, 7)]);
             let e = ensemble_in(&domain, &sets.collect::<Vec<_>>());
-            let kernel = Kernel { shape: SmoothingKernel::Gaussian, bandwidth: 0.011 };
+            let kernel = Smoothing { shape: SmoothingKernel::Gaussian, bandwidth: 0.011 };
             for r in [RadialBins::linear(0.3, 50).unwrap(), RadialBins::logarithmic(1e-3, 0.5, 30).unwrap()] {
                 let plan = kernel_plan(&e, kernel, divisor, &r.centres(), correction, 100.0);
                 let truth = direct(&Reference, &plan, &e);
@@ -129,7 +129,7 @@ fn kernel_sums_of_every_weight() {
     let plain = ensemble_in(&window, &[uniform(2, 300, 1), clustered(2, 90, 2), uniform(2, 1, 3)]);
     let mut rng = Rng(5);
     let random: Vec<f64> = (0..plain.total_points()).map(|_| rng.unit()).collect();
-    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
+    let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
     let r: Vec<f64> = (1..=60).map(|i| f64::from(i) * 0.01).collect();
     let of = |e: &Ensemble, masses: bool, correction: Correction| {
         let settings = PairSettings { masses, ..correction.into() };
@@ -165,7 +165,7 @@ fn kernel_sums_of_every_weight() {
 fn a_cut_batch_gives_the_same_kernel_sums() {
     let sets: Vec<_> = (0..40).map(|i| uniform(2, 30 + i as usize, i)).collect();
     let e = ensemble(&sets);
-    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
+    let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
     let plan = kernel_plan(&e, kernel, Divisor::R, &[0.1, 0.2, 0.3], Correction::None, 50.0);
     let sums =
         |range: std::ops::Range<usize>| wait(cpu().kernel_sums(&plan, &e.slice(range), &Control::default())).unwrap();
@@ -183,7 +183,7 @@ fn binned_kernel_sums_keep_their_bound() {
         let e = Ensemble::from_raw(&[stretched(uniform(2, 400, 77), &domain)], &domain, false, 0).unwrap();
         let r: Vec<f64> = (0..=60).map(|i| f64::from(i) * 0.005).collect();
         for shape in SHAPES {
-            let kernel = Kernel { shape, bandwidth: 0.01 };
+            let kernel = Smoothing { shape, bandwidth: 0.01 };
             let many = kernel_plan(&e, kernel, Divisor::R, &r, correction, 1e7);
             assert_eq!((many.method, many.pairs.bins.scale()), (KernelMethod::Binned, BinScale::Linear));
             let binned = wait(binned_kernel_sums(&Reference, cpu().pool(), &many, &e, &Control::default())).unwrap();
@@ -208,7 +208,7 @@ fn binned_kernel_sums_keep_their_bound() {
 fn the_method_is_the_affordable_one() {
     let e = ensemble(&[uniform(2, 9, 1)]);
     let plan = |divisor, bandwidth, n, exact| {
-        let kernel = Kernel { shape: SmoothingKernel::Gaussian, bandwidth };
+        let kernel = Smoothing { shape: SmoothingKernel::Gaussian, bandwidth };
         let shape = EnsembleShape { mean_points: n, max_points: n as u64, realizations: 1 };
         KernelPlan::new(kernel, divisor, vec![0.1, 0.2], exact, e.domain(), Correction::None, shape).unwrap().method
     };
@@ -223,7 +223,7 @@ fn the_method_is_the_affordable_one() {
 fn kernel_errors_across_realizations() {
     let sets: Vec<_> = (0..7).map(|i| uniform(2, 50, i)).collect();
     let e = ensemble(&sets);
-    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
+    let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.02 };
     let plan = kernel_plan(&e, kernel, Divisor::R, &[0.05, 0.1, 0.3], Correction::None, 50.0);
     let g = direct(&cpu(), &plan, &e);
     let each: Vec<_> = (0..7).map(|k| direct(&cpu(), &plan, &e.slice(k..k + 1))).collect();
@@ -242,7 +242,7 @@ fn kernel_errors_across_realizations() {
 #[test]
 fn a_kernel_that_reaches_past_half_the_box_is_undefined_there() {
     let e = ensemble(&[uniform(2, 100, 1)]);
-    let kernel = Kernel { shape: SmoothingKernel::Box, bandwidth: 0.02 };
+    let kernel = Smoothing { shape: SmoothingKernel::Box, bandwidth: 0.02 };
     let plan = kernel_plan(&e, kernel, Divisor::R, &[0.4, 0.46, 0.47, 0.5], Correction::None, 100.0);
     let g = direct(&Reference, &plan, &e);
     assert_eq!(g.g.iter().map(Option::is_some).collect::<Vec<_>>(), [true, true, false, false]);
@@ -251,7 +251,7 @@ fn a_kernel_that_reaches_past_half_the_box_is_undefined_there() {
 #[test]
 fn coincident_points_are_left_out_where_d_divides() {
     let e = ensemble(&[raw(2, vec![0.25, 0.25, 0.25, 0.25, 0.3, 0.25])]);
-    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.04 };
+    let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth: 0.04 };
     for device in [&Reference as &dyn Compute, &cpu()] {
         for (divisor, left_out) in [(Divisor::D, 2), (Divisor::R, 0)] {
             let plan = kernel_plan(&e, kernel, divisor, &[0.01, 0.05], Correction::None, 3.0);

@@ -6,7 +6,7 @@ use pairwave::compute::Compute;
 use pairwave::compute::cpu::Cpu;
 use pairwave::control::Control;
 use pairwave::estimate::{KernelEstimate, Normalization};
-use pairwave::plan::{Correction, Divisor, EnsembleShape, Kernel, KernelMethod, KernelPlan};
+use pairwave::plan::{Correction, Divisor, EnsembleShape, KernelMethod, KernelPlan, Smoothing};
 use pairwave::points::Ensemble;
 
 pub fn tag() -> ComputedBy {
@@ -16,7 +16,7 @@ pub fn tag() -> ComputedBy {
 /// A kernel plan for an ensemble; `mean_points` decides the method.
 pub fn kernel_plan(
     e: &Ensemble,
-    kernel: Kernel,
+    kernel: Smoothing,
     divisor: Divisor,
     r: &[f64],
     correction: Correction,

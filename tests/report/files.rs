@@ -20,8 +20,8 @@ use pairwave::estimate::{
     Neighbors, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use pairwave::plan::{
-    Accuracy, Bandwidth, Correction, Divisor, Kernel, KernelMethod, KernelPlan, NeighborPlan, PairPlan, PairSettings,
-    RadialBins, Rings, SmoothingKernel, WaveGrid,
+    Accuracy, Bandwidth, Correction, Divisor, KernelMethod, KernelPlan, NeighborPlan, PairPlan, PairSettings,
+    RadialBins, Rings, Smoothing, SmoothingKernel, WaveGrid,
 };
 use pairwave::points::{Domain, Ensemble, RawPoints};
 use pairwave::report;
@@ -156,7 +156,7 @@ fn scenes() -> Vec<(&'static str, Analysis)> {
         Some(ring_means(&a, |m| 1.0 - sinc_squared(f64::from(m[0]) / s) * sinc_squared(f64::from(m[1]) / s)));
     let whole = ensemble(&sets);
     let bandwidth = Bandwidth::Stoyan.value(&unit(2), n as f64);
-    let kernel = Kernel { shape: SmoothingKernel::Epanechnikov, bandwidth };
+    let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth };
     let r = a.pair_correlation().unwrap().r.clone();
     let plan = KernelPlan::new(kernel, Divisor::R, r, false, &unit(2), Correction::None, shape(&whole)).unwrap();
     let sums = wait(Reference.kernel_sums(&plan, &whole, &Control::default())).unwrap();
@@ -452,7 +452,7 @@ fn tables_read_back_as_the_same_numbers() {
     let g = a.findings.get_mut::<PairCorrelation>().unwrap();
     (g.g[0], g.g_se[0], g.g[1]) = (f64::NAN, f64::INFINITY, 1.0 / 3.0 * 1e-7);
     let r = g.r.clone();
-    let kernel = Kernel { shape: SmoothingKernel::Box, bandwidth: 0.01 };
+    let kernel = Smoothing { shape: SmoothingKernel::Box, bandwidth: 0.01 };
     let half: Vec<_> = (0..16).map(|b| (b >= 2).then_some(f64::from(b) / 3.0)).collect();
     a.findings.insert(KernelEstimate {
         kernel,

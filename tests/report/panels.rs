@@ -17,11 +17,11 @@ use pairwave::display::{self, Axis, AxisScale, ColorMap, FrequencyUnit, LengthUn
 use pairwave::estimate::PowerSpectrum;
 use pairwave::points::{Domain, Ensemble};
 use pairwave::report::{self, panel};
-use pairwave::source::Source;
+use pairwave::source::Points;
 
 fn analyze(arguments: &str) -> Analysis {
     let request = request(arguments);
-    let source = Source::open(&request.input).unwrap();
+    let source = Points::open(&request.input).unwrap();
     let plan = Plan::of(&request, &source).unwrap();
     let device = Device::new(Box::new(Cpu::new(None).unwrap()), None).unwrap();
     analysis::run(&request, Arc::new(source), plan, &device, &Control::default(), &mut |_| ()).unwrap()
@@ -175,7 +175,7 @@ fn the_points_read_back() {
     let csv = panel::csv(Panel::Points, &analysis).unwrap().unwrap();
     let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
     fs::write(file.path(), csv).unwrap();
-    let sets = Source::open(&request(&file.path().display().to_string()).input).unwrap();
+    let sets = Points::open(&request(&file.path().display().to_string()).input).unwrap();
     let back = sets.batch(0..1, &Control::default()).unwrap();
     assert_eq!(back.fractions(0), analysis.first.fractions(0));
 }

@@ -41,7 +41,7 @@ pub struct Snapshot {
 /// Measurements under way.
 #[derive(Default)]
 pub struct Engine {
-    jobs: BTreeMap<SetId, Job>,
+    jobs: BTreeMap<SetId, Task>,
     /// Sets that wait, with what they have.
     held: BTreeSet<SetId>,
     devices: Vec<Opened>,
@@ -55,7 +55,7 @@ struct Opened {
     device: Arc<Device>,
 }
 
-struct Job {
+struct Task {
     request: Request,
     /// Not planned yet.
     changed: bool,
@@ -69,7 +69,7 @@ struct Job {
 impl Engine {
     /// Asks for a set, or for other settings of it.
     pub fn set(&mut self, id: SetId, request: Request) {
-        let job = self.jobs.entry(id).or_insert_with(|| Job {
+        let job = self.jobs.entry(id).or_insert_with(|| Task {
             request: request.clone(),
             changed: true,
             measurement: None,
@@ -159,7 +159,7 @@ impl Engine {
         snapshot.map(|s| (id, s))
     }
 
-    fn step_of(&mut self, job: &mut Job, control: &Control) -> Result<bool> {
+    fn step_of(&mut self, job: &mut Task, control: &Control) -> Result<bool> {
         if job.changed {
             job.changed = false;
             let device = match self.device(&job.request) {

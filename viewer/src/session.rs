@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui;
 use pairwave::display::ToneMap;
 use pairwave::request::Request;
-use pairwave::source::Source;
+use pairwave::source::Points;
 use serde::{Deserialize, Serialize};
 
 use crate::app::Viewer;
@@ -138,7 +138,7 @@ impl Session {
     fn check(&self, mut request: Request) -> Result<Request, String> {
         let input = &mut request.input;
         if input.sampler.is_some() {
-            Source::open(input).map_err(|e| e.told(pairwave::Setting::flag))?;
+            Points::open(input).map_err(|e| e.told(pairwave::Setting::flag))?;
         } else if input.files.is_empty() {
             return Err("neither files nor --sampler NAME -n N are given".into());
         } else if input.files.iter().any(|file| file == Path::new("-")) {

@@ -10,7 +10,7 @@ use std::arch::x86_64::*;
 
 use super::nufft::Band;
 use super::phase_tables::{Panel, Table, fill};
-use super::wave_power::Points;
+use super::wave_power::WavePoints;
 use super::wave_terms::{LANES, Vector, terms};
 
 /// Instruction sets with kernels of their own, in rising order.
@@ -85,7 +85,7 @@ by_level! {
     /// The same in f64.
     table_sums_f64 = fill::sums_f64(table: &[f64], stride: usize, weights: &[f64], sums: &mut [f64]);
     /// Adds the terms of one wave vector at a chunk of points.
-    add_terms = terms::add(vector: &Vector, points: &Points<'_>, sums: &mut [[f64; LANES]; 2]);
+    add_terms = terms::add(vector: &Vector, points: &WavePoints<'_>, sums: &mut [[f64; LANES]; 2]);
 }
 
 /// Spreads the points of a band. Wider vectors than those of AVX2 are no faster: few of them lie within one cache line.

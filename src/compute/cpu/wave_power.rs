@@ -22,12 +22,12 @@ use crate::points::Ensemble;
 use crate::pool::Pool;
 
 /// The points of a realization: per axis, fractions of the side in steps of 2^-64.
-pub(super) struct Points<'a> {
+pub(super) struct WavePoints<'a> {
     pub(super) axes: Vec<&'a [u64]>,
     pub(super) weights: Option<&'a [f64]>,
 }
 
-impl<'a> Points<'a> {
+impl<'a> WavePoints<'a> {
     fn of(ensemble: &'a Ensemble, k: usize) -> Self {
         Self { axes: ensemble.fractions(k), weights: ensemble.weights(k) }
     }
@@ -65,7 +65,7 @@ pub(super) trait Method: Sync {
     fn sum(
         &self,
         part: usize,
-        points: &Points<'_>,
+        points: &WavePoints<'_>,
         scratch: &mut Self::Scratch,
         control: &Control,
         put: impl FnMut(usize, [f64; 2]),
@@ -119,7 +119,7 @@ impl<'a> AnyMethod<'a> {
     fn part(
         &self,
         part: usize,
-        points: &Points<'_>,
+        points: &WavePoints<'_>,
         scratch: &mut Scratch,
         control: &Control,
         mut put: impl FnMut(usize, f64),
@@ -136,14 +136,14 @@ impl<'a> AnyMethod<'a> {
     /// `|s_m|^2` of all modes. A pool takes part in what has no parts.
     fn whole(
         &self,
-        points: &Points<'_>,
+        points: &WavePoints<'_>,
         scratch: &mut Scratch,
         pool: Option<&Pool>,
         control: &Control,
         power: &mut [f64],
     ) -> Result<()> {
         if let Self::Nufft(nufft, dc) = self {
-            let spread = nufft::Points { axes: &points.axes, weights: points.weights };
+            let spread = nufft::Nonuniform { axes: &points.axes, weights: points.weights };
             nufft.power(&spread, &mut scratch.nufft, pool, control, power)?;
             power[*dc] = points.total_weight().powi(2);
             return Ok(());
@@ -171,7 +171,7 @@ pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contro
         })
     });
     let keys = keys.collect();
-    Job { cpu, plan, ensemble, control, keys }.run()
+    LeafJob { cpu, plan, ensemble, control, keys }.run()
 }
 
 /// `s_m` of one realization at every stored mode, real and imaginary part, in f64. `axes[a][j]` is the fraction of point
@@ -184,7 +184,7 @@ pub(super) fn amplitudes(
     out: &mut [[f64; 2]],
     control: &Control,
 ) -> Result<()> {
-    let points = Points { axes: axes.to_vec(), weights };
+    let points = WavePoints { axes: axes.to_vec(), weights };
     let wanted = parts_wanted(cpu, 1);
     match waves {
         WaveVectors::List(list) => fill(cpu, &Terms::new(cpu, list), &points, out, control),
@@ -192,7 +192,13 @@ pub(super) fn amplitudes(
     }
 }
 
-fn fill<R: Method>(cpu: &Cpu, method: &R, points: &Points<'_>, out: &mut [[f64; 2]], control: &Control) -> Result<()> {
+fn fill<R: Method>(
+    cpu: &Cpu,
+    method: &R,
+    points: &WavePoints<'_>,
+    out: &mut [[f64; 2]],
+    control: &Control,
+) -> Result<()> {
     if cpu.pool.is_within() || method.parts() == 1 {
         let mut scratch = R::Scratch::default();
         return (0..method.parts()).try_for_each(|p| method.sum(p, points, &mut scratch, control, |at, s| out[at] = s));
@@ -220,7 +226,7 @@ fn parts_wanted(cpu: &Cpu, realizations: usize) -> usize {
     if realizations >= cpu.threads() { 1 } else { (2 * cpu.threads()).div_ceil(realizations) }
 }
 
-struct Job<'a> {
+struct LeafJob<'a> {
     cpu: &'a Cpu,
     plan: &'a WavePlan,
     ensemble: &'a Ensemble,
@@ -229,7 +235,7 @@ struct Job<'a> {
     keys: Vec<MethodKey>,
 }
 
-impl Job<'_> {
+impl LeafJob<'_> {
     fn new_sums(&self) -> WavePower {
         WavePower::new(self.cpu.computed_by(), self.plan.waves.len(), &self.plan.rings)
     }
@@ -285,7 +291,7 @@ impl Job<'_> {
                 let Some(leaf) = leaves.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
                 let mut sum = self.new_sums();
                 for k in leaf.clone() {
-                    let points = Points::of(self.ensemble, k);
+                    let points = WavePoints::of(self.ensemble, k);
                     methods[&self.keys[k]].whole(&points, &mut scratch, None, self.control, &mut power)?;
                     self.add(&mut sum, k, &mut power);
                 }
@@ -316,7 +322,7 @@ impl Job<'_> {
                 loop {
                     self.control.check()?;
                     let Some(&(k, part)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
-                    let points = Points::of(self.ensemble, k);
+                    let points = WavePoints::of(self.ensemble, k);
                     of(k).part(part, &points, &mut scratch, self.control, |at, q| part_sums.push((at, q)))?;
                     let mut power = powers[k - start].lock().unwrap_or_else(PoisonError::into_inner);
                     part_sums.drain(..).for_each(|(at, q)| power[at] = q);
@@ -326,7 +332,7 @@ impl Job<'_> {
             for (k, power) in wave.zip(&mut powers) {
                 let power = power.get_mut().unwrap_or_else(PoisonError::into_inner);
                 if of(k).parts() == 0 {
-                    let points = Points::of(self.ensemble, k);
+                    let points = WavePoints::of(self.ensemble, k);
                     of(k).whole(&points, &mut scratch, Some(&self.cpu.pool), self.control, power)?;
                 }
                 self.add(&mut sums, k, power);

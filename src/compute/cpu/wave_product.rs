@@ -17,7 +17,7 @@ use super::Cpu;
 use super::phase_tables::{GROUP, Panel, Table, place};
 use super::product::{Element, FEWEST_POINTS, Operand, product};
 use super::simd::{self, SimdLevel};
-use super::wave_power::{Method, Points};
+use super::wave_power::{Method, WavePoints};
 use crate::compute::coprime_from;
 use crate::control::Control;
 use crate::error::Result;
@@ -75,7 +75,7 @@ impl<T: Real> Method for Product<'_, T> {
     fn sum(
         &self,
         part: usize,
-        points: &Points<'_>,
+        points: &WavePoints<'_>,
         scratch: &mut Scratch<T>,
         control: &Control,
         put: impl FnMut(usize, [f64; 2]),
@@ -257,7 +257,7 @@ impl<T> Default for Scratch<T> {
 
 impl<T: Real> Scratch<T> {
     /// The sums of every row and column of the tile, over all points.
-    fn sum(&mut self, level: SimdLevel, tile: &Tile, points: &Points<'_>, control: &Control) -> Result<()> {
+    fn sum(&mut self, level: SimdLevel, tile: &Tile, points: &WavePoints<'_>, control: &Control) -> Result<()> {
         let (rows, columns) = (tile.left.width(), tile.right.width());
         let (left_stride, right_stride) = (stride::<T>(rows), stride::<T>(columns));
         let left = aligned(&mut self.left, PANEL * left_stride);
@@ -325,7 +325,7 @@ impl<T: Real> Scratch<T> {
     }
 
     /// `s` of the modes of the tile.
-    fn write(&self, factors: &Factors<'_>, tile: &Tile, points: &Points<'_>, mut put: impl FnMut(usize, [f64; 2])) {
+    fn write(&self, factors: &Factors<'_>, tile: &Tile, points: &WavePoints<'_>, mut put: impl FnMut(usize, [f64; 2])) {
         let at_origin = tile.first_row == 0 && tile.first_column == 0;
         if at_origin {
             put(factors.dc as usize, [points.total_weight(), 0.0]);

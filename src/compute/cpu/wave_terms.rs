@@ -6,7 +6,7 @@
 
 use super::phase_tables::turn_f64;
 use super::simd;
-use super::wave_power::{Method, Points};
+use super::wave_power::{Method, WavePoints};
 use super::{Cpu, SimdLevel};
 use crate::control::Control;
 use crate::error::Result;
@@ -58,7 +58,7 @@ impl Method for Terms<'_> {
     fn sum(
         &self,
         part: usize,
-        points: &Points<'_>,
+        points: &WavePoints<'_>,
         (): &mut (),
         control: &Control,
         mut put: impl FnMut(usize, [f64; 2]),
@@ -91,11 +91,15 @@ impl Method for Terms<'_> {
 
 /// The loop over points, to be inlined into a function for an instruction set.
 pub(super) mod terms {
-    use super::{LANES, Points, Vector, turn_f64};
+    use super::{LANES, Vector, WavePoints, turn_f64};
 
     /// Adds `w cos` and `w sin` of `2 pi m . x` of every point to the lane of the point.
     #[inline(always)]
-    pub(in super::super) fn add<const FMA: bool>(vector: &Vector, points: &Points<'_>, sums: &mut [[f64; LANES]; 2]) {
+    pub(in super::super) fn add<const FMA: bool>(
+        vector: &Vector,
+        points: &WavePoints<'_>,
+        sums: &mut [[f64; LANES]; 2],
+    ) {
         let n = points.len();
         for first in (0..n).step_by(LANES) {
             let count = LANES.min(n - first);

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::kernel::{self, KernelSpec};
 use super::pair_jobs::dispatches;
-use super::pair_run::Points;
+use super::pair_run::UploadedPoints;
 use super::pair_specs::fits;
 use super::params::{LAG_COUNTS, LagParams};
 use super::{GpuCompute, Tuning};
@@ -117,7 +117,7 @@ pub(super) async fn lag_counts(
         }
     };
     let mut under_way = None;
-    let mut held: Option<(Range<usize>, Points)> = None;
+    let mut held: Option<(Range<usize>, UploadedPoints)> = None;
     gpu.guarded(NAME, async || {
         let thresholds = gpu.upload("thresholds", &thresholds, tuning.fill);
         for dispatch in &work {
@@ -126,7 +126,7 @@ pub(super) async fn lag_counts(
             // A large realization takes many dispatches; its points go up once.
             if held.as_ref().is_none_or(|(r, _)| *r != range) {
                 drop(held.take());
-                held = Some((range.clone(), Points::upload(compute, ensemble, &range)));
+                held = Some((range.clone(), UploadedPoints::upload(compute, ensemble, &range)));
             }
             let Some((_, points)) = &held else { continue };
             let jobs = gpu.upload("jobs", &dispatch.jobs, tuning.fill);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::kernel::Kernel;
-use super::pair_run::{Caps, Points, Run, Tables};
+use super::pair_run::{Caps, Run, Tables, UploadedPoints};
 use super::params::{CellJob, CellPairJob, CellPairTask, CellParams};
 use super::{MAX_GROUPS, pair_specs};
 use crate::compute::cells::Neighbourhood;
@@ -102,7 +102,7 @@ impl Sort {
     }
 
     /// The points of a group in the order of realizations and cells, and where each cell begins; one entry more at the end.
-    async fn sorted(&self, run: &Run<'_>, group: &Range<usize>) -> Result<(Points, Vec<u32>)> {
+    async fn sorted(&self, run: &Run<'_>, group: &Range<usize>) -> Result<(UploadedPoints, Vec<u32>)> {
         let (gpu, fill) = (run.compute.gpu(), run.compute.tuning.fill);
         let total: usize = run.sizes[group.clone()].iter().sum();
         let piece = SORT_POINTS.max(total / (MAX_GROUPS as usize / 2));
@@ -116,7 +116,7 @@ impl Sort {
             }));
             first_point += n;
         }
-        let points = Points::with_depths(run.compute, run.plan, run.ensemble, group);
+        let points = UploadedPoints::with_depths(run.compute, run.plan, run.ensemble, group);
         let params = gpu.uniform("params", &CellParams { total_points: total as u32, ..self.params });
         let places = gpu.scratch("places", 8 * total as u64, fill);
         let cells = group.len() * self.cells;
@@ -159,7 +159,7 @@ impl Sort {
         self.scatter.dispatch(gpu, &mut encoder, &buffers, groups);
         gpu.queue.submit([encoder.finish()]);
         let depths = points.depths.is_some().then_some(depths);
-        Ok((Points { rounded, exact, depths }, starts))
+        Ok((UploadedPoints { rounded, exact, depths }, starts))
     }
 }
 

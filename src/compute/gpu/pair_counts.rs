@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::pair_jobs::dispatches;
-use super::pair_run::{NAME, Points, Run, Tables};
+use super::pair_run::{NAME, Run, Tables, UploadedPoints};
 use super::{GpuCompute, pair_cells, pair_specs};
 use crate::accumulate::PairCounts;
 use crate::control::Control;
@@ -39,7 +39,7 @@ async fn all_pairs(run: &mut Run<'_>) -> Result<()> {
     let limit = gpu.limits.max_compute_workgroup_storage_size;
     let kernel = compute.kernel(pair_specs::all_pairs(plan, limit)).await?;
     let caps = run.caps();
-    let mut held: Option<(Range<usize>, Points)> = None;
+    let mut held: Option<(Range<usize>, UploadedPoints)> = None;
     gpu.guarded(NAME, async || {
         let tables = Tables::upload(compute, plan);
         for dispatch in dispatches(&run.sizes, plan.tile.points(), caps.pairs, caps.points, caps.histograms) {
@@ -48,7 +48,7 @@ async fn all_pairs(run: &mut Run<'_>) -> Result<()> {
             // A large realization takes many dispatches; its points go up once.
             if held.as_ref().is_none_or(|(r, _)| *r != range) {
                 drop(held.take());
-                held = Some((range.clone(), Points::with_depths(compute, plan, ensemble, &range)));
+                held = Some((range.clone(), UploadedPoints::with_depths(compute, plan, ensemble, &range)));
             }
             let Some((_, points)) = &held else { continue };
             let jobs = gpu.upload("jobs", &dispatch.jobs, compute.tuning.fill);

@@ -83,7 +83,7 @@ impl<'a> Run<'a> {
         kernel: &Kernel,
         tables: &Tables,
         range: Range<usize>,
-        points: &Points,
+        points: &UploadedPoints,
         jobs: &[&wgpu::Buffer],
         groups: u32,
     ) -> Result<()> {
@@ -163,7 +163,7 @@ impl Tables {
 }
 
 /// Points of several realizations.
-pub(super) struct Points {
+pub(super) struct UploadedPoints {
     /// Positions rounded to 32 bits, axis by axis.
     pub(super) rounded: wgpu::Buffer,
     /// Positions, axis by axis.
@@ -172,7 +172,7 @@ pub(super) struct Points {
     pub(super) depths: Option<wgpu::Buffer>,
 }
 
-impl Points {
+impl UploadedPoints {
     /// Where the points of realizations `range` are.
     pub(super) fn upload(compute: &GpuCompute, ensemble: &Ensemble, range: &Range<usize>) -> Self {
         let (mut short, mut long) = (Vec::new(), Vec::new());

@@ -32,7 +32,7 @@ pub(super) async fn wave_power(
     fits(largest as u64, &blocks, grid.dim(), binding_bytes).map_err(|reason| gpu.error(NAME, reason))?;
 
     let weighted = (0..sizes.len()).any(|k| ensemble.weights(k).is_some());
-    let job = Job {
+    let job = PowerJob {
         compute,
         grid,
         accuracy: plan.accuracy,
@@ -88,7 +88,7 @@ pub(super) async fn wave_power(
 }
 
 /// The kernels and the plan of one call.
-struct Job<'a> {
+struct PowerJob<'a> {
     compute: &'a GpuCompute,
     grid: &'a WaveGrid,
     accuracy: Accuracy,
@@ -98,7 +98,7 @@ struct Job<'a> {
 }
 
 /// Points of some realizations on the device, and room for what becomes of them.
-struct Points {
+struct UploadedWavePoints {
     total: usize,
     fractions: wgpu::Buffer,
     weights: Option<wgpu::Buffer>,
@@ -119,8 +119,8 @@ fn far_apart(n: usize) -> impl Iterator<Item = usize> {
     (0..stride).flat_map(move |first| (first..n).step_by(stride))
 }
 
-impl Job<'_> {
-    fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>, part: [u32; 2]) -> Points {
+impl PowerJob<'_> {
+    fn upload(&self, ensemble: &Ensemble, batch: &Range<usize>, part: [u32; 2]) -> UploadedWavePoints {
         let (gpu, fill) = (self.compute.gpu(), self.compute.tuning.fill);
         let points = ensemble.range(batch.start).start..ensemble.range(batch.end - 1).end;
         let mut fractions = Vec::with_capacity(points.len() * ensemble.domain().dim());
@@ -153,7 +153,7 @@ impl Job<'_> {
         }
         let blocks = u64::from(part[0] * part[1]);
         let items = blocks * u64::from(self.blocks.items()) * realizations.len() as u64;
-        Points {
+        UploadedWavePoints {
             total: points.len(),
             sums: gpu.scratch("sums", chunks.len() as u64 * blocks * self.blocks.sum_bytes(), fill),
             power: gpu.scratch("power", items * self.item_bytes(), fill),
@@ -177,7 +177,7 @@ impl Job<'_> {
     /// The blocks of a part of the grid, into `power` (per realization, one value per stored mode).
     async fn run(
         &self,
-        points: &Points,
+        points: &UploadedWavePoints,
         part: [Range<u32>; 2],
         power: &mut [Vec<f64>],
         control: &Control,

@@ -10,7 +10,7 @@ use crate::accumulate::{KernelSums, PairCounts};
 use crate::compute::{Compute, Session};
 use crate::error::Result;
 use crate::estimate::{Analysis, CrossValidation, KernelEstimate};
-use crate::plan::{Bandwidth, BandwidthSearch, Batch, Kernel, KernelPlan, PairSettings, RadialBins};
+use crate::plan::{Bandwidth, BandwidthSearch, Batch, KernelPlan, PairSettings, RadialBins, Smoothing};
 use crate::points::Ensemble;
 use crate::request::{Request, Statistic};
 use crate::statistics::group::{Ask, Group, Part, PartSums, Parts, Subject, digest, of};
@@ -39,7 +39,7 @@ pub(super) fn plans(
     let rule = request.bandwidth.unwrap_or(Bandwidth::Stoyan);
     let (divisor, r) = (request.divisor.unwrap_or_default(), bins.centres());
     let ends = [r[0], r[r.len() - 1]];
-    let kernel = Kernel { shape: kernel, bandwidth: rule.value(domain, shape.mean_points) };
+    let kernel = Smoothing { shape: kernel, bandwidth: rule.value(domain, shape.mean_points) };
     let plan = KernelPlan::new(kernel, divisor, r, request.exact_kernel, domain, settings, shape)?;
     let search = (rule == Bandwidth::Lscv)
         .then(|| BandwidthSearch::new(kernel.shape, ends, domain, settings, shape))

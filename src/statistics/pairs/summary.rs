@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::estimate::{Analysis, CrossValidation, ErrorSource, Normalization};
-use crate::plan::{Correction, Divisor, Kernel, KernelMethod};
+use crate::plan::{Correction, Divisor, KernelMethod, Smoothing};
 
 #[derive(Serialize)]
 pub(super) struct PairCorrelationOut {
@@ -35,7 +35,7 @@ pub(super) struct KFunctionOut {
 #[derive(Serialize)]
 pub(super) struct KernelOut {
     #[serde(flatten)]
-    kernel: Kernel,
+    kernel: Smoothing,
     divisor: Divisor,
     #[serde(rename = "road")]
     method: KernelMethod,

@@ -19,19 +19,19 @@ use crate::view::View;
 /// Curves as they were drawn last.
 #[derive(Default)]
 pub(crate) struct Curves {
-    kept: HashMap<(Panel, SetId), Kept>,
+    kept: HashMap<(Panel, SetId), KeptTraces>,
     frames: HashMap<Panel, ((Axis, Axis), Frame)>,
 }
 
 /// The curve of a snapshot along two axes, ready to be drawn.
-struct Kept {
+struct KeptTraces {
     of: (u64, Axis, Axis),
     trace: Trace,
     line: Vec<Vec<PlotPoint>>,
     closed_form: Vec<Vec<PlotPoint>>,
 }
 
-impl Kept {
+impl KeptTraces {
     fn new(of: (u64, Axis, Axis), trace: Trace) -> Self {
         let points = |pieces: &[Vec<[f64; 2]>]| {
             pieces.iter().map(|piece| piece.iter().map(|p| PlotPoint::from(*p)).collect()).collect()
@@ -117,7 +117,7 @@ impl Curves {
             let of = (snapshot.generation, x, y);
             if self.kept.get(&key).is_none_or(|kept| kept.of != of) {
                 match panel.trace(analysis, x, y) {
-                    Some(trace) => _ = self.kept.insert(key, Kept::new(of, trace)),
+                    Some(trace) => _ = self.kept.insert(key, KeptTraces::new(of, trace)),
                     None => _ = self.kept.remove(&key),
                 }
             }
@@ -151,7 +151,7 @@ impl Curves {
             };
             let width = plot.response().rect.width() * plot.ctx().pixels_per_point();
             let seen = Seen { x: ends, bottom, columns: width.max(1.0) as usize };
-            let curves: Vec<(&Kept, egui::Color32)> = drawn
+            let curves: Vec<(&KeptTraces, egui::Color32)> = drawn
                 .iter()
                 .filter_map(|&index| {
                     let set = &sets[index];
@@ -191,7 +191,7 @@ impl Curves {
 /// Curves with what belongs to them; the last one is the one that is selected.
 fn draw<'a>(
     plot: &mut PlotUi<'a>,
-    curves: &[(&'a Kept, egui::Color32)],
+    curves: &[(&'a KeptTraces, egui::Color32)],
     view: &View,
     seen: &Seen,
     [ink, weak]: [egui::Color32; 2],

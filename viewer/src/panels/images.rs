@@ -21,11 +21,11 @@ use crate::set::Set;
 /// Pictures on the device that draws, kept until what they show changes.
 #[derive(Default)]
 pub(crate) struct Images {
-    kept: HashMap<(Panel, SetId), Kept>,
+    kept: HashMap<(Panel, SetId), KeptPicture>,
 }
 
 /// A picture of a snapshot.
-struct Kept {
+struct KeptPicture {
     of: Shades,
     texture: egui::TextureHandle,
     extent: [[f64; 2]; 2],
@@ -153,7 +153,7 @@ impl Images {
                 }
                 None => {
                     let texture = ctx.load_texture(panel.slug(), image, options);
-                    self.kept.insert(key, Kept { of, texture, extent: pixels.extent, axes: pixels.axes });
+                    self.kept.insert(key, KeptPicture { of, texture, extent: pixels.extent, axes: pixels.axes });
                 }
             }
         }

@@ -47,7 +47,7 @@ pub(crate) struct Panels {
     zoomed: chart::Zoomed,
     curves: curves::Curves,
     images: images::Images,
-    points: points::Points,
+    points: points::Cloud,
 }
 
 impl Panels {

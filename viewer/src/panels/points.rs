@@ -37,11 +37,11 @@ struct Of {
 
 /// What is drawn over points, kept until the points change.
 #[derive(Default)]
-pub(crate) struct Points {
-    kept: HashMap<SetId, Kept>,
+pub(crate) struct Cloud {
+    kept: HashMap<SetId, KeptDots>,
 }
 
-struct Kept {
+struct KeptDots {
     of: Of,
     /// Number of points, and which of them are drawn: every so many.
     n: usize,
@@ -64,7 +64,7 @@ fn segments(ends: Vec<[[f64; 2]; 2]>) -> Vec<[DVec2; 2]> {
     ends.into_iter().map(|ends| ends.map(DVec2::from)).collect()
 }
 
-impl Kept {
+impl KeptDots {
     fn new(of: Of, analysis: &Analysis) -> Self {
         let plane = of.plane;
         let all = overlays::projected(&analysis.first, plane);
@@ -81,7 +81,7 @@ impl Kept {
     }
 }
 
-impl Points {
+impl Cloud {
     /// Draws the points.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let drawn = self.prepare(scene);
@@ -115,7 +115,7 @@ impl Points {
             let ends = [0, last].map(|k| overlays::point_text(&analysis.first, k));
             let of = Of { request, plane: all[scene.view.plane.min(all.len() - 1)], ends };
             if self.kept.get(&set.id).is_none_or(|kept| kept.of != of) {
-                self.kept.insert(set.id, Kept::new(of, analysis));
+                self.kept.insert(set.id, KeptDots::new(of, analysis));
             }
             if let Some(kept) = self.kept.get_mut(&set.id).filter(|_| scene.view.links) {
                 let (few, plane) = (kept.n <= MOST_LINKS, kept.of.plane);
@@ -216,7 +216,7 @@ impl Points {
 
 /// A set being drawn.
 struct Drawing<'a> {
-    kept: &'a Kept,
+    kept: &'a KeptDots,
     axis: Axis,
     shown: &'a Shown,
     painter: &'a egui::Painter,

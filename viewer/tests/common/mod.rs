@@ -12,7 +12,7 @@ use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::report;
 use pairwave::request::Request;
-use pairwave::source::Source;
+use pairwave::source::Points;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::{Answer, Choice, Files};
 
@@ -43,7 +43,7 @@ pub fn written(analysis: &Analysis) -> BTreeMap<String, Vec<u8>> {
 
 /// All files that the command line writes.
 pub fn by_command(request: &Request) -> BTreeMap<String, Vec<u8>> {
-    let source = Arc::new(Source::open(&request.input).unwrap());
+    let source = Arc::new(Points::open(&request.input).unwrap());
     let device = pollster::block_on(Device::open(request.device, request.threads)).unwrap();
     let plan = Plan::of(request, &source).unwrap().for_device(device.compute());
     written(&analysis::run(request, source, plan, &device, &Control::default(), &mut |_| ()).unwrap())

@@ -12,14 +12,14 @@ const TERMS: usize = 32;
 
 /// The exponential of semicircle of one axis.
 #[derive(Debug, Clone)]
-pub(super) struct Kernel {
+pub(super) struct SpreadingKernel {
     width: usize,
     beta: f64,
     /// Coefficients by falling power of `u`, each for all pieces; 0 beyond the width.
     pieces: Vec<[f64; MAX_WIDTH]>,
 }
 
-impl Kernel {
+impl SpreadingKernel {
     /// The kernel of `width` cells for a grid upsampled by `sigma`, its polynomials good to `tolerance` of its peak.
     pub(super) fn new(width: usize, sigma: f64, tolerance: f64) -> Self {
         // The transform then falls to the aliasing error just where the first alias begins (a
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn polynomials_are_the_kernel() {
         for (width, tolerance) in [(2, 1e-2), (7, 1e-6), (8, 1e-7), (13, 1e-12), (16, 1e-15)] {
-            let kernel = Kernel::new(width, 2.0, tolerance);
+            let kernel = SpreadingKernel::new(width, 2.0, tolerance);
             for k in 0..width {
                 for u in (-100..=100).map(|u| f64::from(u) / 100.0) {
                     let fit = kernel.pieces().iter().fold(0.0, |sum, power| sum * u + power[k]);
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn transform_is_that_of_the_kernel() {
         // The trapezoidal rule on so many nodes sees the transform at m and, far below rounding, its aliases.
-        let kernel = Kernel::new(13, 2.0, 1e-12);
+        let kernel = SpreadingKernel::new(13, 2.0, 1e-12);
         let (cells, steps) = (1000, 1 << 16);
         for (m, found) in kernel.transform(cells, 250).into_iter().enumerate() {
             let t = |i: i32| 13.0 * (f64::from(i) + 0.5) / f64::from(steps) - 6.5;

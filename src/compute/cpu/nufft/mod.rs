@@ -15,11 +15,11 @@ mod transform;
 
 pub(super) use cache::Cache;
 pub(super) use spread::Band;
-pub use spread::Points;
+pub use spread::Nonuniform;
 
 use rustfft::num_complex::Complex;
 
-use self::kernel::Kernel;
+use self::kernel::SpreadingKernel;
 use self::spread::{FineGrid, Sorted};
 use self::transform::{Transform, Worker};
 use super::SimdLevel;
@@ -51,7 +51,7 @@ impl Nufft {
     pub fn new(grid: &WaveGrid, tolerance: f64, points: f64, level: SimdLevel) -> Result<Self> {
         let sizes = NufftSizes::new(grid, tolerance, points)?;
         // Polynomials err little next to aliasing, even where their error is lifted most.
-        let kernel = |a: usize| Kernel::new(sizes.width, sizes.sigma(a), 0.02 * tolerance);
+        let kernel = |a: usize| SpreadingKernel::new(sizes.width, sizes.sigma(a), 0.02 * tolerance);
         let axes = (0..sizes.axes.len()).map(|a| (sizes.axes[a], sizes.cells[a], kernel(a))).collect();
         Ok(Self { grid: *grid, transform: Transform::new(FineGrid::new(axes, level), &sizes.largest) })
     }
@@ -70,7 +70,7 @@ impl Nufft {
     /// `None`) and on any pool.
     pub fn amplitudes(
         &self,
-        points: &Points<'_>,
+        points: &Nonuniform<'_>,
         scratch: &mut Scratch,
         pool: Option<&Pool>,
         control: &Control,
@@ -84,7 +84,7 @@ impl Nufft {
     /// `|s_m|^2` of every stored mode; else as `amplitudes`.
     pub fn power(
         &self,
-        points: &Points<'_>,
+        points: &Nonuniform<'_>,
         scratch: &mut Scratch,
         pool: Option<&Pool>,
         control: &Control,
@@ -97,7 +97,7 @@ impl Nufft {
 
     fn run<T: Send>(
         &self,
-        points: &Points<'_>,
+        points: &Nonuniform<'_>,
         scratch: &mut Scratch,
         pool: Option<&Pool>,
         control: &Control,
@@ -117,6 +117,6 @@ impl Nufft {
 }
 
 /// The sum of all weights, which is the amplitude at `m = 0`.
-fn total(points: &Points<'_>) -> f64 {
+fn total(points: &Nonuniform<'_>) -> f64 {
     points.weights.map_or(points.axes[0].len() as f64, |w| w.iter().sum())
 }

@@ -2,13 +2,13 @@
 //!
 //! - The grid is padded: cell `c` of an axis is stored at `c + (w - 1) / 2`, so that the first cell a point reaches is stored at
 //!   the point's own (rounded) position, and nothing wraps until `fold`.
-//! - Points are sorted by tiles of cells, so that those in a row meet the same part of the cache.
+//! - Nonuniform are sorted by tiles of cells, so that those in a row meet the same part of the cache.
 //! - Tiles are cut from bands of the last axis. A kernel reaches from its band into the next one at most, so the even bands
 //!   can be done at once, then the odd ones, and every cell gets its terms in the same order on any number of threads.
 
 use std::ops::Range;
 
-use super::kernel::Kernel;
+use super::kernel::SpreadingKernel;
 use super::threads::share;
 use crate::compute::cpu::simd::{self, SimdLevel};
 use crate::control::Control;
@@ -16,13 +16,13 @@ use crate::error::Result;
 use crate::plan::kernel_lanes as lanes;
 use crate::pool::Pool;
 
-/// Points that are sorted at a time: in the second-level cache.
+/// Nonuniform that are sorted at a time: in the second-level cache.
 const CHUNK: usize = 1 << 15;
 
 /// Cells of a tile in 1D, 2D and 3D, last axis last, as powers of two; no band is thinner than the widest kernel.
 const TILE_SHIFTS: [[u32; 3]; 3] = [[10, 0, 0], [6, 6, 0], [4, 4, 4]];
 
-/// Points of a tile whose kernels are added up before they are added to those of others: a sum of so many terms, and of so
+/// Nonuniform of a tile whose kernels are added up before they are added to those of others: a sum of so many terms, and of so
 /// many sums, rounds much less than one of all.
 const MOST_AT_ONCE: usize = 2048;
 
@@ -38,7 +38,7 @@ pub(super) struct Axis {
     pub(super) cells: usize,
     /// Cells as stored: what kernels reach, and what vectors write beyond.
     pub(super) stored: usize,
-    pub(super) kernel: Kernel,
+    pub(super) kernel: SpreadingKernel,
     tile_shift: u32,
 }
 
@@ -75,9 +75,9 @@ pub(super) struct FineGrid {
 
 impl FineGrid {
     /// Per axis: which axis of the points, cells and kernel. All kernels are equally wide.
-    pub(super) fn new(axes: Vec<(usize, usize, Kernel)>, level: SimdLevel) -> Self {
+    pub(super) fn new(axes: Vec<(usize, usize, SpreadingKernel)>, level: SimdLevel) -> Self {
         let shifts = TILE_SHIFTS[axes.len() - 1];
-        let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, Kernel))| {
+        let axis = |(a, (axis, cells, kernel)): (usize, (usize, usize, SpreadingKernel))| {
             let stored =
                 if a == 0 { (cells + lanes(kernel.width())).next_multiple_of(8) } else { cells + kernel.width() };
             Axis { axis, cells, stored, kernel, tile_shift: shifts[a] }
@@ -114,7 +114,7 @@ impl FineGrid {
     /// Adds `w_j phi(x - x_j)` over all points to every cell, which it sets to 0 before.
     pub(super) fn spread(
         &self,
-        points: &Points<'_>,
+        points: &Nonuniform<'_>,
         sorted: &mut Sorted,
         cells: &mut [f64],
         pool: Option<&Pool>,
@@ -166,16 +166,16 @@ impl FineGrid {
     }
 }
 
-/// Points of one realization: fractions of the side per axis, and weights where they are not all 1.
+/// Nonuniform of one realization: fractions of the side per axis, and weights where they are not all 1.
 #[derive(Debug, Clone, Copy)]
-pub struct Points<'a> {
+pub struct Nonuniform<'a> {
     /// Fractions of the side in steps of 2^-64.
     pub axes: &'a [&'a [u64]],
     /// One per point; `None` where every point weighs 1.
     pub weights: Option<&'a [f64]>,
 }
 
-/// Points in the order of their tiles, chunk by chunk.
+/// Nonuniform in the order of their tiles, chunk by chunk.
 #[derive(Debug, Default)]
 pub(super) struct Sorted {
     chunks: Vec<Chunk>,
@@ -192,7 +192,7 @@ struct Chunk {
 }
 
 impl Chunk {
-    fn sort(&mut self, grid: &FineGrid, points: &Points<'_>, range: Range<usize>) {
+    fn sort(&mut self, grid: &FineGrid, points: &Nonuniform<'_>, range: Range<usize>) {
         let axes: Vec<&[u64]> = grid.axes.iter().map(|axis| &points.axes[axis.axis][range.clone()]).collect();
         let weights = points.weights.map(|w| &w[range]);
         match (axes.as_slice(), weights) {
@@ -389,7 +389,7 @@ fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
 
 /// All pieces of the kernel at `u`, by Horner's rule.
 #[inline(always)]
-fn horner<const FMA: bool, const L: usize>(kernel: &Kernel, u: f64, values: &mut [f64; L]) {
+fn horner<const FMA: bool, const L: usize>(kernel: &SpreadingKernel, u: f64, values: &mut [f64; L]) {
     let mut sums = [0.0; L];
     for power in kernel.pieces() {
         for (sum, c) in sums.iter_mut().zip(power) {

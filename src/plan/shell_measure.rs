@@ -24,7 +24,7 @@ const GROWTH: f64 = 0.25;
 const PANELS: i32 = 14;
 
 /// The measure of `lo <= |x| < hi` in the box with the given sides, in 1, 2 or 3 dimensions.
-pub(super) fn ring_measure(lo: f64, hi: f64, sides: &[f64]) -> f64 {
+pub(super) fn shell_measure(lo: f64, hi: f64, sides: &[f64]) -> f64 {
     let mut half: Vec<f64> = sides.iter().map(|s| s / 2.0).collect();
     half.sort_by(f64::total_cmp);
     if let [a] = half[..] {
@@ -161,7 +161,7 @@ mod tests {
             for (lo, hi) in [(0.0, 1.0), (0.3, 0.45), (0.9, 0.91), (0.7, 0.999), (0.2, 0.8)] {
                 let (lo, hi) = (lo * diagonal, hi * diagonal);
                 let (found, expected) = (
-                    ring_measure(lo, hi, &[2.0 * a, 2.0 * b]),
+                    shell_measure(lo, hi, &[2.0 * a, 2.0 * b]),
                     disk(hi, a, b) - if lo > 0.0 { disk(lo, a, b) } else { 0.0 },
                 );
                 assert!((found / expected - 1.0).abs() < 1e-10, "{a} {b}, {lo} to {hi}: {found} against {expected}");
@@ -191,7 +191,7 @@ mod tests {
             for (lo, hi) in [(0.0, 1.0), (0.3, 0.45), (0.6, 0.7), (0.75, 0.9), (0.9, 0.95)] {
                 let (lo, hi) = (lo * diagonal, hi * diagonal);
                 let (found, expected) = (
-                    ring_measure(lo, hi, &[2.0 * a, 2.0 * b, 2.0 * c]),
+                    shell_measure(lo, hi, &[2.0 * a, 2.0 * b, 2.0 * c]),
                     ball(hi) - if lo > 0.0 { ball(lo) } else { 0.0 },
                 );
                 assert!(
@@ -226,7 +226,7 @@ mod tests {
             let box_measure: f64 = sides.iter().product();
             for bins in [1, 7, 256, 10_000] {
                 let edge = |k: usize| diagonal * (k as f64 / bins as f64);
-                let sum: f64 = (0..bins).map(|k| ring_measure(edge(k), edge(k + 1), sides)).sum();
+                let sum: f64 = (0..bins).map(|k| shell_measure(edge(k), edge(k + 1), sides)).sum();
                 assert!((sum / box_measure - 1.0).abs() < 1e-12, "{sides:?}, {bins} bins: {sum}");
             }
         }
@@ -239,7 +239,7 @@ mod tests {
             let diagonal = sides.iter().map(|s| s * s).sum::<f64>().sqrt() / 2.0;
             for at in [0.6, 0.75, 0.9, 0.98] {
                 let (lo, hi) = (at * diagonal, (at + 1e-6) * diagonal);
-                let thin = ring_measure(lo, hi, sides);
+                let thin = shell_measure(lo, hi, sides);
                 let mid = 0.5 * (lo + hi);
                 let mut half: Vec<f64> = sides.iter().map(|s| s / 2.0).collect();
                 half.sort_by(f64::total_cmp);
@@ -274,10 +274,10 @@ mod tests {
     fn below_half_a_side_nothing_is_cut_off() {
         for (lo, hi) in [(0.0, 0.5), (0.1, 0.100_000_1), (0.25, 0.5)] {
             let ring = PI * (hi - lo) * (hi + lo);
-            assert!((ring_measure(lo, hi, &[1.0, 2.0]) / ring - 1.0).abs() < 1e-14);
+            assert!((shell_measure(lo, hi, &[1.0, 2.0]) / ring - 1.0).abs() < 1e-14);
             let shell = 4.0 / 3.0 * PI * (hi - lo) * (hi * hi + hi * lo + lo * lo);
-            assert!((ring_measure(lo, hi, &[1.0, 2.0, 1.5]) / shell - 1.0).abs() < 1e-14);
+            assert!((shell_measure(lo, hi, &[1.0, 2.0, 1.5]) / shell - 1.0).abs() < 1e-14);
         }
-        assert_eq!(ring_measure(0.25, 0.5, &[1.0]), 0.5);
+        assert_eq!(shell_measure(0.25, 0.5, &[1.0]), 0.5);
     }
 }
