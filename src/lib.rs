@@ -1,16 +1,39 @@
 //! pairwave measures how the samples of a pattern are correlated: pair correlation functions g and power spectra P over
 //! batches of point sets, with honest error bars.
 //!
+//! Points of your own, and what is found about them:
+//!
+//! ```
+//! use pairwave::{Domain, Points, Request, measure};
+//!
+//! # fn main() -> pairwave::Result<()> {
+//! # let point = |k: u64| [k.wrapping_mul(0x9e37_79b9_7f4a_7c15), k.wrapping_mul(0xc2b2_ae3d_27d4_eb4f)];
+//! # let set = |seed: u64| (0..200).flat_map(|k| point(k + 1000 * seed)).map(|x| (x >> 11) as f64 / 2f64.powi(53)).collect::<Vec<_>>();
+//! # let (set_1, set_2) = (set(1), set(2));
+//! let points = Points::new(Domain::unit_torus(2), &[set_1, set_2])?; // coordinates, point by point
+//! let found = measure(points, &Request::default())?; // g, P and neighbours, by the best device there is
+//! let g = found.pair_correlation().expect("asked for");
+//! println!("g({}) = {} ± {}", g.r[0], g.g[0], g.g_se[0]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A [`Request`] says what to measure and how; its fields are the settings of the command line ([`Setting`]). Points come from
+//! memory, files, bytes or a sampler ([`Points`]). A [`Measurement`] is the same in steps: it can be looked at, stopped, written,
+//! read, and merged with that of other realizations. `examples/` has one program for each.
+//!
+//! # Below: the expert's way
+//!
 //! Data flows one way, and each arrow is one type:
 //!
 //! ```text
 //! points -> plan -> compute (gpu | cpu | reference) -> accumulate -> estimate -> report
 //! ```
 //!
-//! `Ensemble` holds realizations as 64-bit fixed-point fractions; `PairPlan` and `WavePlan` are everything decided before
-//! the work; `Compute` turns both into raw sums, `PairCounts` and `WavePower`, which merge; `PairCorrelation`,
-//! `PowerSpectrum` and `RadialSpectrum` are the numbers with their errors. `analysis::run` does all of it, and an `Analysis`
-//! is all that it found: `display` says how it is shown, `report` writes it.
+//! [`points::Ensemble`] holds realizations as 64-bit fixed-point fractions; [`plan::PairPlan`] and [`plan::WavePlan`] are
+//! everything decided before the work; [`compute::Compute`] turns both into raw sums, [`accumulate::PairCounts`] and
+//! [`accumulate::WavePower`], which merge; [`estimate::PairCorrelation`] and [`estimate::PowerSpectrum`] are the numbers with
+//! their errors. [`display`] says how an [`Analysis`] is shown, [`report`] writes it.
 //!
 //! Conventions: frequencies are integer wave vectors m in cycles per side, `s_m = sum_j exp(-2 pi i m.x_j / L)`; pairs are
 //! ordered; bins are half-open; lengths are in the domain's own unit.
@@ -19,16 +42,15 @@
 //! use pairwave::compute::{Compute, cpu::Cpu};
 //! use pairwave::control::Control;
 //! use pairwave::estimate::{Normalization, PairCorrelation};
-//! use pairwave::plan::{Correction, EnsembleShape, PairPlan, RadialBins};
+//! use pairwave::plan::{Correction, PairPlan, RadialBins};
 //! use pairwave::points::Domain;
 //! use pairwave::samplers::{ParameterValues, ensemble, find};
 //!
 //! # fn main() -> pairwave::Result<()> {
 //! let (jittered, control) = (find("jittered")?, Control::default());
 //! let points = ensemble(jittered, 1024, 2, 1, 0..10, &ParameterValues::defaults(jittered)?, &control)?;
-//! let shape = EnsembleShape { realizations: 10, mean_points: 1024.0, max_points: 1024 };
 //! let bins = RadialBins::linear(0.1, 20)?;
-//! let plan = PairPlan::new(&Domain::unit_torus(2), bins, Correction::None, shape)?;
+//! let plan = PairPlan::new(&Domain::unit_torus(2), bins, Correction::None, points.shape())?;
 //! let cpu = Cpu::new(None)?;
 //! // A device may have to be waited for.
 //! let counts = pollster::block_on(cpu.pair_counts(&plan, &points, &control))?;
@@ -60,6 +82,12 @@ mod sinc;
 pub mod source;
 mod statistics;
 
+pub use analysis::{Measurement, measure};
+pub use compute::Device;
 pub use error::{Error, Result};
+pub use estimate::Analysis;
+pub use points::Domain;
 pub use pool::{Pool, check_threads};
+pub use request::{Request, Statistic};
 pub use setting::Setting;
+pub use source::Points;

@@ -22,6 +22,22 @@ use crate::error::{Error, Result};
 use crate::request::Request;
 use crate::source::Points;
 
+/// Measures points: everything that the request asks for, on the device that it names, by default the best there is. What the
+/// request says of where points come from is not looked at.
+///
+/// # Errors
+/// Settings that cannot be, or say nothing about what is asked for; what the device says.
+pub fn measure(points: impl Into<Arc<Points>>, request: &Request) -> Result<Analysis> {
+    let points = points.into();
+    let plan = Plan::of(request, &points)?;
+    pollster::block_on(async {
+        let device = Device::open(request.device, request.threads).await?;
+        let plan = plan.for_device(device.compute());
+        let mut measurement = Measurement::new(request.clone(), points, plan);
+        measurement.finish(&device, &Control::default(), &mut |_| ()).await
+    })
+}
+
 /// Carries out a request on points and a device.
 ///
 /// # Errors

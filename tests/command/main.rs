@@ -8,6 +8,7 @@ mod analyze;
 mod convention;
 mod envelope;
 mod errors;
+mod examples;
 mod listings;
 mod pair_correlation;
 mod power_spectrum;

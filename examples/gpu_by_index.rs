@@ -1,0 +1,31 @@
+//! Exact pair counts on a GPU chosen by its index; without one on the CPU, which gives the same integers.
+
+use pairwave::compute::gpu::adapters;
+use pairwave::request::DeviceChoice;
+use pairwave::{Device, Error, Request, Result, Statistic, measure};
+
+fn main() -> Result<()> {
+    for adapter in pollster::block_on(adapters()) {
+        println!("{}: {adapter}", adapter.index);
+    }
+    let wanted = std::env::args().nth(1).and_then(|index| index.parse().ok()).unwrap_or(0);
+    let mut request = Request::default();
+    request.stats = vec![Statistic::Pcf];
+    request.input.sampler = Some("jittered".into());
+    request.input.points = Some(1024);
+    request.input.realizations = Some(10);
+    request.device = match pollster::block_on(Device::open(DeviceChoice::Index(wanted), None)) {
+        Ok(_) => DeviceChoice::Index(wanted),
+        Err(Error::NoDevice { reason, .. }) => {
+            println!("no GPU {wanted}: {reason}");
+            DeviceChoice::Cpu
+        }
+        Err(other) => return Err(other),
+    };
+    let found = measure(pairwave::Points::open(&request.input)?, &request)?;
+    println!("by {}", found.computed_by.device());
+    if let Some(g) = found.pair_correlation() {
+        println!("{} ordered pairs closer than {:.4}", g.count.iter().sum::<u64>(), g.r_hi[g.r_hi.len() - 1]);
+    }
+    Ok(())
+}
