@@ -11,8 +11,7 @@ fn main() -> Result<()> {
     };
     let sets: Vec<_> = (0..20).map(set).collect();
     let points = Points::new(Domain::unit_torus(2), &sets)?;
-    let mut request = Request::default();
-    request.bins = Some(128);
+    let request = Request { bins: Some(128), ..Request::default() };
     let found = measure(points, &request)?;
     if let Some(g) = found.pair_correlation() {
         let highest = (0..g.g.len()).max_by(|&a, &b| g.g[a].total_cmp(&g.g[b])).unwrap_or(0);

@@ -74,6 +74,12 @@ impl Ranges {
 mod tests {
     use super::*;
 
+    fn of(range: Range<u64>) -> Ranges {
+        let mut ranges = Ranges::default();
+        ranges.add(range);
+        ranges
+    }
+
     #[test]
     fn ranges_join_and_gaps_are_found() {
         let mut ranges = Ranges::default();
@@ -85,9 +91,9 @@ mod tests {
         assert_eq!(ranges.gap(&(0..100)), Some(32..64));
         assert_eq!(ranges.gap(&(64..100)), Some(80..100));
         assert_eq!(ranges.gap(&(8..20)), None);
-        let other = Ranges(vec![30..35]);
-        assert_eq!((ranges.common(&other), Ranges(vec![32..64]).common(&ranges)), (Some(30..32), None));
+        let other = of(30..35);
+        assert_eq!((ranges.common(&other), of(32..64).common(&ranges)), (Some(30..32), None));
         ranges.cut(20);
-        assert_eq!(ranges, Ranges(vec![0..20]));
+        assert_eq!(ranges, of(0..20));
     }
 }
