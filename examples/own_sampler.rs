@@ -41,8 +41,7 @@ impl Sampler for Antithetic {
 fn main() -> Result<()> {
     let process = Process::own(Arc::new(Antithetic), 256, 200, 2, 1)?;
     let points = Points::sampled(process, Domain::unit_torus(2));
-    let mut request = Request::default();
-    request.stats = vec![Statistic::Radial, Statistic::Covariance];
+    let request = Request { stats: vec![Statistic::Radial, Statistic::Covariance], ..Request::default() };
     let found = measure(points, &request)?;
     if let Some(radial) = found.radial() {
         let mean = radial.rings.iter().map(|ring| ring.p).sum::<f64>() / radial.rings.len() as f64;

@@ -1,14 +1,17 @@
 //! A batch in two shards, as on two machines: written, read and merged, with the numbers of one run to the last bit.
 
 use pairwave::control::Control;
-use pairwave::request::DeviceChoice;
+use pairwave::request::{DeviceChoice, PointsRequest};
 use pairwave::{Device, Measurement, Points, Request, Result, measure};
 
 fn main() -> Result<()> {
-    let mut request = Request::default();
-    request.input.sampler = Some("poisson-disk".into());
-    request.input.points = Some(200);
-    request.input.realizations = Some(40);
+    let input = PointsRequest {
+        sampler: Some("poisson-disk".into()),
+        points: Some(200),
+        realizations: Some(40),
+        ..PointsRequest::default()
+    };
+    let request = Request { input, ..Request::default() };
     let (device, control) = (pollster::block_on(Device::open(DeviceChoice::Cpu, None))?, Control::default());
     let mut files = Vec::new();
     // Shards begin and end at multiples of 16 realizations.

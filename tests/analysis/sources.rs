@@ -21,7 +21,7 @@ fn sets(count: usize, n: impl Fn(usize) -> usize, seed: u64) -> Vec<RawPoints> {
         source: String::new(),
         lines: Vec::new(),
     };
-    (0..count).map(|k| set(k)).collect()
+    (0..count).map(set).collect()
 }
 
 fn save(path: &Path, sets: Vec<RawPoints>) {
