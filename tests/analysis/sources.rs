@@ -15,7 +15,7 @@ fn points(line: &str) -> PointsRequest {
 /// Sets of `n(k)` points.
 fn sets(count: usize, n: impl Fn(usize) -> usize, seed: u64) -> Vec<RawPoints> {
     let mut rng = Rng(seed);
-    let mut set = |k: usize| RawPoints {
+    let set = |k: usize| RawPoints {
         dim: 2,
         coordinates: (0..2 * n(k)).map(|_| rng.unit()).collect(),
         source: String::new(),
