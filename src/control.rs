@@ -20,6 +20,9 @@ impl Control {
     }
 
     /// `Err(Cancelled)` once `cancel` was called.
+    ///
+    /// # Errors
+    /// `Error::Cancelled` once that was asked for.
     pub fn check(&self) -> Result<()> {
         if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
     }

@@ -62,6 +62,8 @@
 
 // Nothing an input or a device does may panic; tests may unwrap.
 #![warn(unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// What can fail says how.
+#![warn(clippy::missing_errors_doc)]
 
 pub mod accumulate;
 pub mod analysis;

@@ -9,6 +9,9 @@ use crate::setting::Setting;
 const MAX_THREADS: usize = 4096;
 
 /// Whether that many threads can be asked for.
+///
+/// # Errors
+/// 0, or more than anybody has.
 pub fn check_threads(threads: usize) -> Result<()> {
     if (1..=MAX_THREADS).contains(&threads) {
         return Ok(());
@@ -22,6 +25,9 @@ pub struct Pool(Option<Arc<rayon::ThreadPool>>);
 
 impl Pool {
     /// `threads` threads, or as many as the machine offers.
+    ///
+    /// # Errors
+    /// A number of threads that cannot be, or that the platform does not start.
     pub fn new(threads: Option<usize>) -> Result<Self> {
         threads.map_or(Ok(()), check_threads)?;
         // 0 lets rayon ask the operating system.

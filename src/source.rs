@@ -106,6 +106,9 @@ struct Marking {
 
 impl Points {
     /// Reads the files, or prepares the sampler; resolves the domain.
+    ///
+    /// # Errors
+    /// Files that cannot be read, points outside the domain, settings that contradict each other: each by its place.
     pub fn open(request: &PointsRequest) -> Result<Self> {
         if let Some(name) = &request.sampler {
             let n = request
@@ -324,6 +327,9 @@ impl Points {
     }
 
     /// Realizations `range`.
+    ///
+    /// # Errors
+    /// Files that changed since they were first read, what the sampler says, `Error::Cancelled`.
     pub fn batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
         match &self.kind {
             Kind::Held(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),

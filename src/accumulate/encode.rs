@@ -156,39 +156,60 @@ impl<'a> Decoder<'a> {
     }
 
     /// A value of the header.
+    ///
+    /// # Errors
+    /// A name or a type that the file does not have.
     pub fn value(&self, name: &str) -> Result<&Value> {
         let name = format!("{}{name}", self.prefix);
         self.values.get(&name).ok_or_else(|| self.error(format!("lacks the value {name}")))
     }
 
     /// A value of the header that is a count.
+    ///
+    /// # Errors
+    /// No such value, or one that is no count.
     pub fn count(&self, name: &str) -> Result<u64> {
         let value = self.value(name)?;
         value.as_u64().ok_or_else(|| self.error(format!("{name} is {value}; expected a count")))
     }
 
     /// A value of the header of any type that can be read from JSON.
+    ///
+    /// # Errors
+    /// No such value, or one of another type.
     pub fn read<T: serde::de::DeserializeOwned>(&self, name: &str) -> Result<T> {
         let value = self.value(name)?.clone();
         serde_json::from_value(value).map_err(|e| self.error(format!("{name}: {e}")))
     }
 
     /// An array of integers.
+    ///
+    /// # Errors
+    /// A name or a type that the file does not have.
     pub fn u64s(&self, name: &str) -> Result<Vec<u64>> {
         self.array(name, "u64", u64::from_le_bytes)
     }
 
     /// An array of wide integers.
+    ///
+    /// # Errors
+    /// A name or a type that the file does not have.
     pub fn u128s(&self, name: &str) -> Result<Vec<u128>> {
         self.array(name, "u128", u128::from_le_bytes)
     }
 
     /// An array of numbers.
+    ///
+    /// # Errors
+    /// A name or a type that the file does not have.
     pub fn f64s(&self, name: &str) -> Result<Vec<f64>> {
         self.array(name, "f64", f64::from_le_bytes)
     }
 
     /// An array of numbers of which there must be so many.
+    ///
+    /// # Errors
+    /// As `f64s`, and another number of elements.
     pub fn f64s_of(&self, name: &str, len: usize) -> Result<Vec<f64>> {
         let values = self.f64s(name)?;
         self.check_len(name, values.len(), len)?;
@@ -196,6 +217,9 @@ impl<'a> Decoder<'a> {
     }
 
     /// Refuses another number of elements.
+    ///
+    /// # Errors
+    /// Another number of elements.
     pub fn check_len(&self, name: &str, found: usize, wanted: usize) -> Result<()> {
         let reason = || format!("{}{name} has {found} elements; expected {wanted}", self.prefix);
         if found == wanted { Ok(()) } else { Err(self.error(reason())) }

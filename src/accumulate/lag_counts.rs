@@ -41,6 +41,9 @@ impl LagCounts {
     }
 
     /// Adds other realizations of the same process, counted on the same grid.
+    ///
+    /// # Errors
+    /// Sums of another shape.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         let kind = |c: &Self| (c.cells.sums.len(), c.sectors.sums.len());
         if kind(self) != kind(other) {

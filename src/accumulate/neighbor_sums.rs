@@ -173,6 +173,9 @@ impl NeighborSums {
     }
 
     /// Adds other realizations of the same process, measured by the same plan.
+    ///
+    /// # Errors
+    /// Realizations that both hold.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         // Batches mostly come in order, one after the other.
         let follows = self.realizations.last().map(|r| r.index) < other.realizations.first().map(|r| r.index);

@@ -267,6 +267,9 @@ impl PairCounts {
     }
 
     /// Adds other realizations of the same process, counted in the same bins by the same method.
+    ///
+    /// # Errors
+    /// Sums of another shape.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         let kind = |c: &Self| (c.counts.len(), c.steps, c.bins.norms.len(), c.cumulative.is_some());
         if kind(self) != kind(other) {
@@ -308,6 +311,9 @@ pub struct CrossCounts {
 
 impl CrossCounts {
     /// Adds other realizations of the same process.
+    ///
+    /// # Errors
+    /// Sums of another shape.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         self.a.merge(&other.a)?;
         self.b.merge(&other.b)?;

@@ -87,6 +87,9 @@ impl WaveCovariance {
 
     /// Adds other realizations of the same process. Both parts must consist of whole leaves of 16 realizations (the very
     /// last may be partial).
+    ///
+    /// # Errors
+    /// Sums of another shape; realizations that both hold, or a leaf that was cut.
     pub fn merge(&mut self, other: Self) -> Result<()> {
         if self.stored != other.stored {
             let reason = format!("{} wave vectors cannot be merged with {}", self.stored, other.stored);

@@ -100,6 +100,9 @@ impl WavePower {
     }
 
     /// Adds the realization that follows, to those of one leaf that is not full.
+    ///
+    /// # Errors
+    /// A realization of another leaf.
     pub fn append(&mut self, mut next: Self) -> Result<()> {
         self.close_leaf();
         next.close_leaf();
@@ -113,6 +116,9 @@ impl WavePower {
 
     /// Adds other realizations of the same process. Both parts must consist of whole leaves of 16 realizations (the very
     /// last may be partial).
+    ///
+    /// # Errors
+    /// Sums of another shape; realizations that both hold, or a leaf that was cut.
     pub fn merge(&mut self, mut other: Self) -> Result<()> {
         self.close_leaf();
         other.close_leaf();

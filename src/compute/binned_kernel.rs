@@ -12,6 +12,9 @@ use crate::points::Ensemble;
 use crate::pool::Pool;
 
 /// The kernel sums of every realization, from the counts of a device; `pool` smooths them.
+///
+/// # Errors
+/// What the backend says that counts the pairs; `Error::Cancelled`.
 pub async fn kernel_sums(
     device: &dyn Compute,
     pool: &Pool,

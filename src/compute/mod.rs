@@ -75,6 +75,9 @@ pub trait Compute: Send + Sync {
     fn computed_by(&self) -> ComputedBy;
 
     /// Whether this is done here, with the promise of its plan kept; the CPU path takes over where not.
+    ///
+    /// # Errors
+    /// Why the CPU path does it.
     fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
         match work {
             Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),

@@ -46,6 +46,9 @@ pub fn point_text(points: &Ensemble, index: usize) -> Option<String> {
 
 /// From every point of the first realization to the nearest other one, on a torus to its nearest image, which may lie outside
 /// the box; projected onto a plane. Points that coincide have no links.
+///
+/// # Errors
+/// `Error::Cancelled`.
 pub fn neighbor_links(points: &Ensemble, plane: [usize; 2], control: &Control) -> Result<Vec<[Place; 2]>> {
     if count(points) == 0 {
         return Ok(Vec::new());

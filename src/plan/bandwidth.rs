@@ -87,6 +87,9 @@ pub struct BandwidthSearch {
 
 impl BandwidthSearch {
     /// For g reported at distances from `r[0]` to `r[1]`.
+    ///
+    /// # Errors
+    /// A range of bandwidths that the domain does not allow.
     pub fn new(
         shape: SmoothingKernel,
         r: [f64; 2],

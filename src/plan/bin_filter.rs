@@ -113,6 +113,9 @@ impl BinFilter {
     /// What the filter says about `r2`: `Ok(slot)`, or `Err(Some(e))` to be settled at edge `e`, or `Err(None)` to be
     /// searched. The rule in plain code, tested against the edges themselves; the kernels unroll it, and are tested by
     /// their counts.
+    ///
+    /// # Errors
+    /// The edge that is too near to decide by f32, or `None` where there is no bin.
     pub fn slot(&self, r2: f32, bins: usize) -> Result<usize, Option<usize>> {
         match self {
             Self::Linear { bins_per_step, relative_guard, absolute_guard } => {

@@ -41,6 +41,9 @@ pub(super) struct RingRule {
 
 impl Convention {
     /// The flag and everything that its program could not do.
+    ///
+    /// # Errors
+    /// A domain that the program does not know, or defects of none.
     pub fn check(self, domain: &Domain, bug_compatible: bool) -> Result<()> {
         let fail = |reason: &str| Err(Error::setting(Setting::Convention, self, reason));
         match self {
@@ -132,6 +135,9 @@ impl Convention {
 
 impl WavePlan {
     /// The same with the rings of another program, and of its defects those in the rings.
+    ///
+    /// # Errors
+    /// As `Convention::check`.
     pub fn with_convention(self, convention: Convention, bug_compatible: bool) -> Result<Self> {
         convention.check(&self.domain, bug_compatible)?;
         let Some(grid) = self.waves.grid() else { return Ok(self) };

@@ -29,6 +29,9 @@ pub(crate) fn covariance_values(stored: u128) -> u128 {
 
 impl CovariancePlan {
     /// For all frequencies up to `largest` along each axis; by default 64 in 1D, 8 in 2D and 2 in 3D.
+    ///
+    /// # Errors
+    /// A frequency of 0 or one whose products would not fit.
     pub fn new(domain: &Domain, largest: Option<u32>, shape: EnsembleShape) -> Result<Self> {
         let dim = domain.dim();
         let largest = largest.unwrap_or([64, 8, 2][dim - 1]);

@@ -68,6 +68,9 @@ impl KernelPlan {
     /// Checks the bandwidth and the correction, and decides the method: the direct sum where it is affordable, or no dearer
     /// than counting into the fine bins of every realization and smoothing them, or the only one (divisor d, where bins at
     /// 0 would not do; very small bandwidths).
+    ///
+    /// # Errors
+    /// A bandwidth that is not above 0 or reaches beyond the domain; more as `PairPlan::new`.
     pub fn new(
         kernel: Smoothing,
         divisor: Divisor,
@@ -105,6 +108,9 @@ impl KernelPlan {
     }
 
     /// The same with another bandwidth.
+    ///
+    /// # Errors
+    /// As `new`.
     pub fn with_bandwidth(&self, bandwidth: f64) -> Result<Self> {
         let (kernel, pairs) = (Smoothing { bandwidth, ..self.kernel }, &self.pairs);
         let settings = PairSettings { masses: pairs.masses, ..pairs.correction.into() };

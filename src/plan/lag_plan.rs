@@ -31,6 +31,9 @@ pub struct LagGrid {
 
 impl LagGrid {
     /// The grid over all lags of the domain, or over `[-lag_max, lag_max)` on every axis.
+    ///
+    /// # Errors
+    /// Numbers of bins, largest lags or radii of rings that cannot be in the domain, or do not fit into memory.
     pub fn new(domain: &Domain, bins: usize, lag_max: Option<f64>) -> Result<Self> {
         let dim = domain.dim() as u32;
         let fitting = (1..=MAX_LAG_BINS).contains(&bins) && bins.checked_pow(dim).is_some_and(|c| c <= MAX_LAG_CELLS);
@@ -235,6 +238,9 @@ pub struct LagPlan {
 
 impl LagPlan {
     /// Decides. `rings`: radii, or `None` for half, 1 and 2 closest-packing distances as far as they fit.
+    ///
+    /// # Errors
+    /// Numbers of bins, largest lags or radii of rings that cannot be in the domain, or do not fit into memory.
     pub fn new(
         domain: &Domain,
         grid: LagGrid,

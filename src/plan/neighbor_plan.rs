@@ -26,6 +26,9 @@ pub struct NeighborPlan {
 impl NeighborPlan {
     /// At the edges of `bins`; without any, at 257 distances from 0 to 3 closest-packing distances, or to the longest
     /// distance there is.
+    ///
+    /// # Errors
+    /// Distances that the domain does not allow.
     pub fn new(domain: &Domain, bins: Option<&RadialBins>, shape: EnsembleShape) -> Result<Self> {
         let default;
         let bins = match bins {

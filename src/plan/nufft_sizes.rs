@@ -67,6 +67,9 @@ pub struct NufftSizes {
 
 impl NufftSizes {
     /// The fastest that keep the tolerance.
+    ///
+    /// # Errors
+    /// Why there is none: a fine grid that does not fit, a tolerance out of reach.
     pub fn new(grid: &WaveGrid, tolerance: f64, points: f64) -> Result<Self> {
         if !TOLERANCES.contains(&tolerance) {
             let reason = format!("expected {} to {}", number(*TOLERANCES.start()), number(*TOLERANCES.end()));

@@ -80,6 +80,9 @@ pub struct PairPlan {
 
 impl PairPlan {
     /// Checks the bins against the domain and decides.
+    ///
+    /// # Errors
+    /// A largest distance or an edge correction that the domain does not allow.
     pub fn new(
         domain: &Domain,
         bins: RadialBins,

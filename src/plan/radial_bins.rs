@@ -33,6 +33,9 @@ pub const MAX_BINS: usize = 1 << 20;
 
 impl RadialBins {
     /// `bins` equal bins over `[0, r_max)`.
+    ///
+    /// # Errors
+    /// Edges that do not increase, are negative or not finite; too many bins.
     pub fn linear(r_max: f64, bins: usize) -> Result<Self> {
         check_count(bins)?;
         let edges = (0..=bins).map(|k| r_max * (k as f64 / bins as f64)).collect();
@@ -40,6 +43,9 @@ impl RadialBins {
     }
 
     /// `bins` bins of equal ratio over `[r_min, r_max)`.
+    ///
+    /// # Errors
+    /// Edges that do not increase, are negative or not finite; too many bins.
     pub fn logarithmic(r_min: f64, r_max: f64, bins: usize) -> Result<Self> {
         check_count(bins)?;
         let ratio = r_max / r_min;
@@ -49,6 +55,9 @@ impl RadialBins {
     }
 
     /// Bins with the given edges. Edges that are equal steps from 0 are recognised as linear.
+    ///
+    /// # Errors
+    /// Edges that do not increase, are negative or not finite; too many bins.
     pub fn from_edges(edges: Vec<f64>) -> Result<Self> {
         if edges.len() < 2 {
             return Err(Error::setting(Setting::Edges, edges.len(), "at least two edges are needed"));
@@ -126,6 +135,9 @@ impl RadialBins {
 
     /// Integer thresholds: a squared distance `R2` in fixed-point steps is at or beyond edge `k` iff
     /// `R2 >= thresholds[k]`, where `thresholds[k] = ceil((2^64 edge_k / length_unit)^2)`, exactly.
+    ///
+    /// # Errors
+    /// Edges too near to each other to be told apart in steps of the domain.
     pub fn thresholds(&self, domain: &Domain) -> Result<Vec<u128>> {
         let unit = domain.length_unit();
         self.edges

@@ -24,6 +24,9 @@ impl WaveList {
     /// `2 pi (k N + j) / phi` (Fibonacci spiral: Swinbank and Purser, Q. J. R. Meteorol. Soc. 132, 2006), where phi is the
     /// golden ratio and braces take the part below 1. Directions whose closest member is the same count once. A ring with no
     /// more than `directions` such pairs is taken whole.
+    ///
+    /// # Errors
+    /// No directions, or more wave vectors than a list may have.
     pub fn ring_directions(domain: &Domain, max_frequency: &[u32], directions: u64) -> Result<Self> {
         if directions == 0 {
             return Err(Error::setting(Setting::RingDirections, directions, "expected at least 1"));

@@ -61,6 +61,9 @@ impl Default for TaperPlan {
 
 impl TaperPlan {
     /// The first `orders` tapers per axis, for a window with `dim` axes.
+    ///
+    /// # Errors
+    /// A number of tapers that is 0, too large or of a taper there is only one of.
     pub fn new(taper: Taper, orders: Option<usize>, debias: Debias, dim: usize) -> Result<Self> {
         let given = orders.filter(|_| taper == Taper::Bartlett);
         let orders = orders.unwrap_or(1);

@@ -28,6 +28,9 @@ const MAX_DEFAULT_MODES: f64 = 67_108_864.0;
 
 impl WaveGrid {
     /// The grid with the given largest frequency per axis (`max_frequency.len()` axes).
+    ///
+    /// # Errors
+    /// Frequencies of 0, beyond the largest, or of another number of axes.
     pub fn new(max_frequency: &[u32]) -> Result<Self> {
         let mut all = [0; 3];
         for (a, &f) in all.iter_mut().zip(max_frequency) {

@@ -41,6 +41,9 @@ pub struct WavePlan {
 
 impl WavePlan {
     /// Decides.
+    ///
+    /// # Errors
+    /// Wave vectors of another dimension than the domain.
     pub fn new(
         domain: &Domain,
         waves: impl Into<WaveVectors>,
@@ -107,6 +110,9 @@ impl WavePlan {
     }
 
     /// The same with power summed by direction (2D).
+    ///
+    /// # Errors
+    /// As `Sectors::new`.
     pub fn with_sectors(mut self, count: usize) -> Result<Self> {
         self.rings.sectors = Sectors::new(count, &self.waves, &self.rings, &self.domain)?;
         Ok(self)

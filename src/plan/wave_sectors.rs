@@ -25,6 +25,9 @@ pub struct Sectors {
 
 impl Sectors {
     /// The sectors of a spectrum in two dimensions.
+    ///
+    /// # Errors
+    /// Not two dimensions, no rings, or a number of sectors that cannot be.
     pub fn new(count: usize, waves: &WaveVectors, rings: &Rings, domain: &Domain) -> Result<Self> {
         if domain.dim() != 2 {
             let reason = format!("directions are followed in 2D, the points are in {}D", domain.dim());

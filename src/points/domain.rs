@@ -32,11 +32,17 @@ impl Domain {
     }
 
     /// A torus `[0, L_k)` with the given sides.
+    ///
+    /// # Errors
+    /// Sides that are not finite, too long, too short or too unequal; not 1 to 3 of them.
     pub fn torus(sides: &[f64]) -> Result<Self> {
         Self::checked(Boundary::Torus, vec![0.0; sides.len()], sides.to_vec(), Setting::Sides, "L1,L2[,L3]")
     }
 
     /// A window given as `(low, high)` per axis.
+    ///
+    /// # Errors
+    /// As `torus`, of the sides of the window.
     pub fn window(ranges: &[(f64, f64)]) -> Result<Self> {
         let origin = ranges.iter().map(|r| r.0).collect();
         let sides = ranges.iter().map(|r| r.1 - r.0).collect();

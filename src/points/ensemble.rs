@@ -39,6 +39,9 @@ pub const UNIT_MASS: u32 = 1 << 24;
 impl Ensemble {
     /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
     /// window) a point outside is an error that names the point.
+    ///
+    /// # Errors
+    /// The first point that is outside or not finite, by its place; sets of another dimension.
     pub fn from_raw(raw: &[RawPoints], domain: &Domain, wrap: bool, first_index: u64) -> Result<Self> {
         let dim = domain.dim();
         let total = raw.iter().map(RawPoints::len).sum();

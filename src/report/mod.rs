@@ -34,6 +34,9 @@ fn names() -> Vec<&'static str> {
 }
 
 /// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind.
+///
+/// # Errors
+/// Why nothing can be written there.
 pub fn check_out(dir: &Path, force: bool) -> Result<()> {
     result_dir::check_out(&names(), dir, force)
 }
@@ -41,6 +44,9 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
 /// Writes everything `analysis` holds into `dir` and returns the paths, `summary.json` last. `dir` is created; a result
 /// already there is refused without `force` and replaced with it, files of other names staying as they are. The files
 /// appear whole or not at all.
+///
+/// # Errors
+/// As `check_out`; what the file system says. Nothing is left half-written.
 pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         let mut pictures = BTreeMap::new();

@@ -42,6 +42,9 @@ pub fn offers(panel: Panel, analysis: &Analysis) -> Offers {
 
 /// The picture as SVG: for curves and points the bytes of the report's file, for the others that file with axes and a colour
 /// bar. `None` where there is nothing to draw.
+///
+/// # Errors
+/// What cannot be drawn or encoded, by the name of the file.
 pub fn svg(panel: Panel, analysis: &Analysis) -> Result<Option<String>> {
     let name = format!("{}.svg", panel.slug());
     let framed = match panel {
@@ -57,12 +60,18 @@ pub fn svg(panel: Panel, analysis: &Analysis) -> Result<Option<String>> {
 }
 
 /// The picture as PNG, the bytes of the report's file. `None` where there is none: curves and points are drawn as SVG.
+///
+/// # Errors
+/// What cannot be drawn or encoded, by the name of the file.
 pub fn png(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
     outputs::bytes(&format!("{}.png", panel.slug()), analysis)
 }
 
 /// The numbers as CSV: the bytes of the report's file (of anisotropy, `spectrum_radial.csv`), and for points the coordinates
 /// of the first realization. `None` where there are none, or arrays only.
+///
+/// # Errors
+/// What cannot be drawn or encoded, by the name of the file.
 pub fn csv(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
     let name = match panel {
         Panel::Points => return first_points(analysis).map(|points| write::csv(&points)).transpose(),
@@ -75,6 +84,9 @@ pub fn csv(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
 }
 
 /// The numbers as NPY: the bytes of the report's file. `None` where there are none, or a table only.
+///
+/// # Errors
+/// What cannot be drawn or encoded, by the name of the file.
 pub fn npy(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
     outputs::bytes(&format!("{}.npy", panel.slug()), analysis)
 }

@@ -23,6 +23,9 @@ struct Typed {
 
 impl Request {
     /// The request that these arguments of `pairwave analyze` make. Says what is wrong with them in one line.
+    ///
+    /// # Errors
+    /// `Error::Arguments`, in one line.
     pub fn parse(arguments: impl IntoIterator<Item = String>) -> Result<Self> {
         let arguments: Vec<String> = arguments.into_iter().collect();
         let matches = dress(Typed::command()).try_get_matches_from(&arguments);

@@ -280,6 +280,9 @@ impl Request {
 
     /// The request with another value of a setting, or with none if `text` is empty. Several files or parameters are not
     /// one text: they are fields of `input`.
+    ///
+    /// # Errors
+    /// A value that cannot be parsed, or that does not go together with the others.
     pub fn with(&self, setting: Setting, text: &str) -> Result<Self> {
         let mut with = self.clone();
         with.set(setting, text)?;

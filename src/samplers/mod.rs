@@ -68,6 +68,9 @@ pub trait Sampler: Send + Sync {
     }
 
     /// Whether n points in `dim` dimensions can be asked for; the error says what can. Cheap.
+    ///
+    /// # Errors
+    /// A number of points or a dimension that cannot be had, and what can.
     fn check(&self, n: u64, dim: usize, _values: &ParameterValues) -> Result<()> {
         check_size(n, dim)
     }
@@ -78,6 +81,9 @@ pub trait Sampler: Send + Sync {
     }
 
     /// The points of one realization: coordinates in [0, 1), point by point.
+    ///
+    /// # Errors
+    /// What cannot be drawn.
     fn generate(&self, realization: &Realization, values: &ParameterValues) -> Result<Vec<f64>>;
 
     /// g at distance `r` in [0, 1/2], averaged over directions and normalized by n (n - 1); `None` where no closed form
@@ -98,6 +104,9 @@ pub fn registry() -> &'static [&'static dyn Sampler] {
 }
 
 /// The process called `name`.
+///
+/// # Errors
+/// A name that is not known, with the nearest that is.
 pub fn find(name: &str) -> Result<&'static dyn Sampler> {
     registry().iter().find(|s| s.name() == name).copied().ok_or_else(|| {
         let names: Vec<_> = registry().iter().map(|s| s.name()).collect();
@@ -107,6 +116,9 @@ pub fn find(name: &str) -> Result<&'static dyn Sampler> {
 }
 
 /// Realizations `indices` of a batch as an ensemble on the unit torus, drawn in parallel.
+///
+/// # Errors
+/// What the sampler says; `Error::Cancelled`.
 pub fn ensemble(
     sampler: &dyn Sampler,
     n: u64,

@@ -76,11 +76,17 @@ pub struct ParameterValues {
 
 impl ParameterValues {
     /// The defaults of a process.
+    ///
+    /// # Errors
+    /// None for a sampler whose defaults can be parsed.
     pub fn defaults(sampler: &dyn Sampler) -> Result<Self> {
         Self::parse(sampler, &[] as &[&str])
     }
 
     /// The values in `given` (`key=value` each), defaults for the rest.
+    ///
+    /// # Errors
+    /// A parameter that the sampler does not have, has twice, or that cannot have this value.
     pub fn parse(sampler: &dyn Sampler, given: &[impl AsRef<str>]) -> Result<Self> {
         let mut texts: Vec<Option<&str>> = vec![None; sampler.parameters().len()];
         for pair in given.iter().map(AsRef::as_ref) {
@@ -107,6 +113,9 @@ impl ParameterValues {
     }
 
     /// The number called `name`.
+    ///
+    /// # Errors
+    /// Values of another sampler.
     pub fn number(&self, name: &'static str) -> Result<f64> {
         match self.get(name)? {
             Value::Number(x) => Ok(x),
@@ -115,6 +124,9 @@ impl ParameterValues {
     }
 
     /// The word called `name`.
+    ///
+    /// # Errors
+    /// Values of another sampler.
     pub fn word(&self, name: &'static str) -> Result<&'static str> {
         match self.get(name)? {
             Value::Word(w) => Ok(w),

@@ -71,6 +71,9 @@ impl Process {
     }
 
     /// Realization `index`, on the unit torus.
+    ///
+    /// # Errors
+    /// What the sampler says.
     pub fn realization(&self, index: u64) -> Result<RawPoints> {
         let which = Realization { n: self.n, dim: self.dim, seed: self.seed, index };
         let coordinates = self.sampler.generate(&which, &self.values)?;

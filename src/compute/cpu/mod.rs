@@ -43,6 +43,9 @@ pub struct Cpu {
 
 impl Cpu {
     /// `threads` threads (as many as the machine offers if `None`), and the best SIMD the processor has.
+    ///
+    /// # Errors
+    /// A number of threads that cannot be, or that the platform does not start.
     pub fn new(threads: Option<usize>) -> Result<Self> {
         Ok(Self::with_pool(Pool::new(threads)?))
     }

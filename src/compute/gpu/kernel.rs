@@ -89,6 +89,9 @@ impl KernelSpec {
     }
 
     /// Bytes of workgroup memory with the numbers filled in. wgpu does not check this against the limit.
+    ///
+    /// # Errors
+    /// A kernel that does not compile, in the words of the compiler.
     pub fn workgroup_bytes(&self) -> Result<u32, String> {
         let module = naga::front::wgsl::parse_str(&self.source()).map_err(|e| e.emit_to_string(&self.source()))?;
         let flags = naga::valid::ValidationFlags::all();
@@ -115,6 +118,9 @@ pub struct Kernel {
 
 impl Kernel {
     /// Checks and compiles.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device refuses it.
     pub async fn new(gpu: &Gpu, spec: KernelSpec) -> Result<Self> {
         let name = spec.name;
         let bytes = spec.workgroup_bytes().map_err(|reason| gpu.error(name, reason))?;

@@ -79,6 +79,9 @@ const KERNELS_KEPT: usize = 32;
 impl GpuCompute {
     /// Opens an adapter and runs the self-check on it. An adapter that fails is passed over; `Err(NoDevice)` says what
     /// failed where none is left.
+    ///
+    /// # Errors
+    /// `Error::NoDevice` where there is none of the kind, `Error::Device` if it fails at once or its self-check does not hold.
     pub async fn open(choice: AdapterChoice) -> Result<Self> {
         let mut failures = Vec::new();
         for (summary, adapter) in device::candidates(choice).await? {

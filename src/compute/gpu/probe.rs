@@ -48,6 +48,9 @@ impl Verdict {
     }
 
     /// Why f64 on this device cannot be relied on, if so.
+    ///
+    /// # Errors
+    /// Why it has none.
     pub fn f64(&self) -> Result<(), String> {
         match self.checks.iter().find(|c| c.name == F64) {
             Some(check) if check.passed => Ok(()),

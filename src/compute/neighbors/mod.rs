@@ -19,6 +19,9 @@ use distribution::distribution;
 use search::Nearest;
 
 /// Nearest-neighbour statistics of every realization.
+///
+/// # Errors
+/// `Error::Cancelled`.
 pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control) -> Result<NeighborSums> {
     let add = |mut sums: NeighborSums, k: usize| {
         control.check()?;
@@ -51,6 +54,9 @@ pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control
 
 /// Per point of realization `k`, the index of the nearest other point (minimum image on a torus); `None` for a lone point. Of
 /// several at the same distance the one with the lowest index, unless points coincide.
+///
+/// # Errors
+/// `Error::Cancelled`.
 pub fn nearest_neighbors(ensemble: &Ensemble, k: usize, control: &Control) -> Result<Vec<Option<usize>>> {
     search::partners(ensemble.domain(), &ensemble.lengths(k), control)
 }

@@ -84,6 +84,9 @@ impl Marks {
 
 impl Columns {
     /// From what was typed.
+    ///
+    /// # Errors
+    /// Columns counted from 0 or without a name.
     pub fn new(weight: Option<&str>, class: Option<&str>) -> Result<Self> {
         let parse = |setting, typed: Option<&str>| {
             typed.map(|text| text.parse().map_err(|e: &str| Error::setting(setting, text, e))).transpose()

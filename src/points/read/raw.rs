@@ -32,6 +32,9 @@ impl RawLayout {
     pub const RPS: Self = Self { element: RawElement::F32, width: 2 };
 
     /// `width` numbers of type `element` per point.
+    ///
+    /// # Errors
+    /// A number of columns that no point has.
     pub fn new(element: RawElement, width: usize) -> Result<Self> {
         let layout = Self { element, width };
         if (1..=WIDEST).contains(&width) { Ok(layout) } else { Err(wrong(&layout.to_string())) }

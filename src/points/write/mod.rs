@@ -42,6 +42,9 @@ impl From<io::Error> for Refusal {
 
 /// Writes `realizations` to `path` in the format of its extension: `.csv`, `.txt`, `.npy`, `.npz`, `.rps`, `.bin`
 /// (UTK), `.f32` or `.f64`. All but `.rps` and `.f32` keep every bit. An existing file is replaced only with `force`.
+///
+/// # Errors
+/// An ending of no known format, a file that is there already, what the file system says.
 pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoints>>, force: bool) -> Result<()> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if path.is_dir() {
@@ -98,6 +101,9 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
 }
 
 /// One realization as the text of a `.csv` file, as `write` writes it.
+///
+/// # Errors
+/// What cannot be written.
 pub fn csv(set: &RawPoints) -> Result<Vec<u8>> {
     check(set, set.dim)?;
     let mut bytes = Vec::new();

@@ -5,6 +5,9 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 /// Reads `--edges`: numbers separated by blanks, commas or line ends; `#` starts a comment.
+///
+/// # Errors
+/// What the file system says; what is no number, by its line.
 pub fn read_edges(path: &Path) -> Result<Vec<f64>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
     let mut edges = Vec::new();

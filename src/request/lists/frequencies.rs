@@ -14,6 +14,9 @@ const LIMIT: f64 = 2_147_483_648.0;
 /// Reads `--frequencies`: on a torus integers m, in cycles per side; in a window cycles per unit length. The file may be any
 /// that could hold points with as many coordinates as `domain` has axes; a header is optional, `#` starts a comment. The
 /// order is kept, and so are repetitions.
+///
+/// # Errors
+/// What the file system says; what is no wave vector, by its place.
 pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
     let dim = domain.dim();
     let mut vectors = Vec::new();
