@@ -5,7 +5,9 @@ use std::process::Command;
 /// What an example prints. The tests of a package build its examples.
 fn run(name: &str) -> String {
     let folder = std::path::Path::new(env!("CARGO_BIN_EXE_pairwave")).parent().unwrap().join("examples");
-    let out = Command::new(folder.join(name)).output().unwrap_or_else(|e| panic!("{name}: {e}"));
+    let out = Command::new(folder.join(name)).output().unwrap_or_else(|e| {
+        panic!("{name}: {e}; `cargo test` builds it, and so does `cargo build --profile test --examples`")
+    });
     let text = String::from_utf8_lossy(&out.stdout).into_owned();
     assert!(out.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&out.stderr));
     text
