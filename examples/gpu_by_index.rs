@@ -5,11 +5,11 @@ use pairwave::request::{DeviceChoice, PointsRequest};
 use pairwave::{Device, Error, Points, Request, Result, Statistic, measure};
 
 fn main() -> Result<()> {
-    for adapter in pollster::block_on(adapters()) {
+    for adapter in pairwave::control::wait(adapters()) {
         println!("{}: {adapter}", adapter.index);
     }
     let wanted = std::env::args().nth(1).and_then(|index| index.parse().ok()).unwrap_or(0);
-    let device = match pollster::block_on(Device::open(DeviceChoice::Index(wanted), None)) {
+    let device = match pairwave::control::wait(Device::open(DeviceChoice::Index(wanted), None)) {
         Ok(_) => DeviceChoice::Index(wanted),
         Err(Error::NoDevice { reason, .. }) => {
             println!("no GPU {wanted}: {reason}");

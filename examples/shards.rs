@@ -12,7 +12,7 @@ fn main() -> Result<()> {
         ..PointsRequest::default()
     };
     let request = Request { input, ..Request::default() };
-    let (device, control) = (pollster::block_on(Device::open(DeviceChoice::Cpu, None))?, Control::default());
+    let (device, control) = (pairwave::control::wait(Device::open(DeviceChoice::Cpu, None))?, Control::default());
     let mut files = Vec::new();
     // Shards begin and end at multiples of 16 realizations.
     for range in [0..16, 16..40] {

@@ -13,7 +13,7 @@ fn main() -> Result<()> {
     let vectors = vec![[1.0, 0.0, 0.0], [32.0, 0.0, 0.0], [32.0, 32.0, 0.0], [1_000_000.0, 1.0, 0.0]];
     let list = WaveList { dim: 2, vectors, mirrored: false };
     let plan = WavePlan::new(&Domain::unit_torus(2), list, Accuracy::High, points.shape())?;
-    let sums = pollster::block_on(Cpu::new(None)?.wave_power(&plan, &points, &control))?;
+    let sums = pairwave::control::wait(Cpu::new(None)?.wave_power(&plan, &points, &control))?;
     let spectrum = PowerSpectrum::new(&plan, &sums);
     for (k, p) in spectrum.p.iter().enumerate() {
         let [x, y, _] = plan.waves.vector(k);

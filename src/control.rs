@@ -7,6 +7,11 @@ pub(crate) use web_time::Instant;
 
 use crate::error::{Error, Result};
 
+/// Blocks the current thread until `work` is done. In a browser nobody may: there futures are awaited.
+pub fn wait<T>(work: impl Future<Output = T>) -> T {
+    pollster::block_on(work)
+}
+
 /// How a caller watches and stops long work. Shared between threads.
 #[derive(Debug, Default)]
 pub struct Control {

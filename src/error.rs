@@ -19,6 +19,7 @@ pub(crate) fn numbers(list: impl IntoIterator<Item = f64>) -> String {
 
 /// What went wrong, with which input. Settings are named as the fields of `Request`; [`Error::told`] has other names for them.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A setting is impossible or contradicts another. The command line exits with code 2.
     #[error("{setting} {value}: {reason}")]

@@ -53,7 +53,7 @@
 //! let plan = PairPlan::new(&Domain::unit_torus(2), bins, Correction::None, points.shape())?;
 //! let cpu = Cpu::new(None)?;
 //! // A device may have to be waited for.
-//! let counts = pollster::block_on(cpu.pair_counts(&plan, &points, &control))?;
+//! let counts = pairwave::control::wait(cpu.pair_counts(&plan, &points, &control))?;
 //! let g = PairCorrelation::new(&plan, &counts, Normalization::Pairs);
 //! assert!(g.g[0] < 0.2, "jittered points avoid each other: g({}) = {} +- {}", g.r[0], g.g[0], g.g_se[0]);
 //! # Ok(())

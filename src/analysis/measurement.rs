@@ -201,7 +201,7 @@ impl Measurement {
     /// # Errors
     /// What the points or the device say; after `Error::Cancelled` it can go on.
     pub fn step(&mut self, device: &Device, control: &Control) -> Result<bool> {
-        pollster::block_on(self.advance(device, control, &mut |_| ()))
+        crate::control::wait(self.advance(device, control, &mut |_| ()))
     }
 
     /// As `step`, for who cannot wait. `tell` hears what is being done.

@@ -30,7 +30,7 @@ use crate::source::Points;
 pub fn measure(points: impl Into<Arc<Points>>, request: &Request) -> Result<Analysis> {
     let points = points.into();
     let plan = Plan::of(request, &points)?;
-    pollster::block_on(async {
+    crate::control::wait(async {
         let device = Device::open(request.device, request.threads).await?;
         let plan = plan.for_device(device.compute());
         let mut measurement = Measurement::new(request.clone(), points, plan);
@@ -51,7 +51,7 @@ pub fn run(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Analysis> {
     let mut measurement = Measurement::new(request.clone(), source, plan);
-    pollster::block_on(measurement.finish(device, control, progress))
+    crate::control::wait(measurement.finish(device, control, progress))
 }
 
 impl Measurement {

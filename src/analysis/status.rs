@@ -4,6 +4,7 @@ use crate::display::human;
 
 /// How far a `Measurement` is, and what it was spared.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Status {
     /// What each group of sums is at.
     pub tracks: Vec<TrackStatus>,
@@ -19,6 +20,7 @@ pub struct Status {
 
 /// Of one group of sums.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct TrackStatus {
     /// Its name.
     pub name: &'static str,

@@ -48,7 +48,7 @@ impl Analyze {
         let control = stop_on_interrupt()?;
         let source = Arc::new(Points::open(&self.request.input)?);
         let plan = Plan::of(&self.request, &source)?;
-        let device = pollster::block_on(Device::open(self.request.device, self.request.threads))?;
+        let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
             eprintln!("note: {note}");
         }

@@ -12,6 +12,7 @@ pub mod gpu;
 pub mod neighbors;
 pub mod reference;
 
+#[doc(hidden)]
 pub use binned_kernel::kernel_sums as binned_kernel_sums;
 pub use device::Device;
 pub(crate) use device::Session;

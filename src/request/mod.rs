@@ -28,6 +28,7 @@ pub use values::shell_words;
 /// A statistic of `--stats`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[non_exhaustive]
 pub enum Statistic {
     /// Pair correlation function g(r).
     Pcf,

@@ -21,7 +21,9 @@ mod wave_power;
 mod wave_product;
 mod wave_terms;
 
-pub use simd::{SimdLevel, fma_gflop};
+pub use simd::SimdLevel;
+#[doc(hidden)]
+pub use simd::fma_gflop;
 
 use super::neighbors::neighbor_sums;
 use super::{Compute, NotHere, Pending, Work, at_once};

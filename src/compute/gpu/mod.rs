@@ -15,6 +15,7 @@ mod pair_jobs;
 mod pair_run;
 mod pair_specs;
 mod pair_sums;
+#[doc(hidden)]
 pub mod params;
 mod probe;
 mod wave_power;
@@ -22,8 +23,10 @@ mod wave_specs;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+#[doc(hidden)]
 pub use buffers::Fill;
 pub use device::{AdapterChoice, AdapterSummary, Gpu, adapters};
+#[doc(hidden)]
 pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
 pub use probe::{Check, Verdict};
 
