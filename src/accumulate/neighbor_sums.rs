@@ -165,6 +165,18 @@ impl DistributionSums {
 }
 
 impl NeighborSums {
+    /// No realizations yet, at so many distances.
+    pub(crate) fn at(distances: usize) -> Self {
+        let none = || DistributionSums {
+            counts: vec![0; distances],
+            squares: vec![0; distances],
+            products: vec![0; distances],
+            at_risk: vec![0; distances],
+            ..DistributionSums::default()
+        };
+        Self { realizations: Vec::new(), nearest: none(), empty: none() }
+    }
+
     /// Adds the realization that follows.
     pub(crate) fn add(&mut self, one: RealizationNeighbors, nearest: &DistributionCounts, empty: &DistributionCounts) {
         self.realizations.push(one);
@@ -177,6 +189,11 @@ impl NeighborSums {
     /// # Errors
     /// Realizations that both hold.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
+        let lengths = |sums: &Self| [&sums.nearest, &sums.empty].map(|sums| sums.counts.len());
+        let both = lengths(self).into_iter().zip(lengths(other));
+        if let Some((a, b)) = both.into_iter().find(|(a, b)| a != b && *a > 0 && *b > 0) {
+            return Err(Error::input("neighbor statistics", format!("{a} distances cannot be merged with {b}")));
+        }
         // Batches mostly come in order, one after the other.
         let follows = self.realizations.last().map(|r| r.index) < other.realizations.first().map(|r| r.index);
         if follows {

@@ -9,6 +9,7 @@ use super::measurement::{Track, join};
 use super::ranges::Ranges;
 use super::{Measurement, Plan};
 use crate::accumulate::{Decoder, Encoder};
+use crate::compute::Device;
 use crate::error::{Error, Result};
 use crate::plan::{EnsembleShape, WaveList};
 use crate::points::{Boundary, Domain, Ensemble};
@@ -93,16 +94,18 @@ impl Measurement {
         self.wanted().find(|track| track.part.name() == name)
     }
 
-    /// The points that this was measured on, so that it can go on after it was read.
+    /// Takes the points that this was measured on, so that it can go on, on a device, after it was read.
     ///
     /// # Errors
     /// Other points.
-    pub fn attach(&mut self, source: Arc<Points>) -> Result<()> {
+    pub fn attach(&mut self, source: Arc<Points>, device: &Device) -> Result<()> {
         let domain = |source: &Points| json!({ "points": source.identity(), "domain": source.domain() });
         if let Some(difference) = difference("", &domain(&self.source), &domain(&source)) {
             return Err(Error::input(source.subject(), format!("other points were measured: {difference}")));
         }
         self.source = source;
+        self.plan = self.plan.clone().for_device(device.compute());
+        self.tracks.iter_mut().for_each(|track| track.part.suit(device.compute()));
         Ok(())
     }
 
@@ -310,5 +313,39 @@ fn short(value: &Value) -> String {
     match text.char_indices().nth(MOST) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::cpu::Cpu;
+    use crate::control::Control;
+
+    /// A file whose checksum holds but whose sums are of another form than its request asks for.
+    #[test]
+    fn sums_that_do_not_fit_their_request_are_refused() {
+        let device = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None).unwrap();
+        let measured = |bins, f, lags| {
+            let mut request = Request { bins: Some(bins), max_frequency: Some(vec![f]), ..Request::default() };
+            request.lag_bins = Some(lags);
+            request.covariance_frequency = Some(f);
+            request.stats = crate::request::Statistic::ALL.iter().copied().filter(|s| s.name() != "radial").collect();
+            (request.input.sampler, request.input.points) = (Some("random".into()), Some(20));
+            let mut measurement = Measurement::of(&request).unwrap();
+            while measurement.step(&device, &Control::default()).unwrap() {}
+            measurement
+        };
+        let mut seen = 0;
+        for k in 0..measured(8, 3, 6).tracks.len() {
+            let (mut honest, forged) = (measured(8, 3, 6), measured(9, 4, 7));
+            Measurement::read("honest", &honest.write()).map(drop).unwrap();
+            honest.tracks[k].whole = forged.tracks[k].whole.as_ref().map(|sums| sums.clone_sums());
+            honest.tracks[k].leaf = forged.tracks[k].leaf.as_ref().map(|sums| sums.clone_sums());
+            let error = Measurement::read("forged", &honest.write()).err().unwrap().to_string();
+            assert!(error.contains("sums of another form"), "{error}");
+            seen += 1;
+        }
+        assert_eq!(seen, 5);
     }
 }

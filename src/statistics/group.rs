@@ -95,6 +95,9 @@ pub(crate) trait Group: Clone + PartialEq + Debug + Display + Send + Sync + 'sta
     /// Takes what suits a device.
     fn suit(&mut self, _: &dyn Compute) {}
 
+    /// Sums of no realization yet: others are of this plan's form if they can be added to these.
+    fn none(&self, by: ComputedBy) -> Self::Sums;
+
     /// The sums of a batch.
     fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> impl Future<Output = Result<Self::Sums>>;
 
@@ -259,7 +262,11 @@ impl<G: Group> Part for G {
     }
 
     fn decode(&self, from: &mut Decoder<'_>) -> Result<Box<dyn PartSums>> {
-        Ok(Box::new(G::Sums::decode(from)?))
+        let sums = G::Sums::decode(from)?;
+        let none = ComputedBy { backends: Vec::new(), devices: Vec::new() };
+        let fits = Sums::merge(&mut self.none(none), sums.clone());
+        fits.map_err(|e| from.error(format!("sums of another form than its request asks for: {e}")))?;
+        Ok(Box::new(sums))
     }
 
     fn clone_part(&self) -> Box<dyn Part> {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::group::{Ask, Group, Parts, Subject};
 use super::pairs::identity;
 use super::waves::Waves;
-use crate::accumulate::PsaCounts;
+use crate::accumulate::{ComputedBy, PsaCounts};
 use crate::compute::{Compute, Session};
 use crate::error::Result;
 use crate::estimate::{Analysis, PsaStatistics};
@@ -68,6 +68,10 @@ impl Group for Psa {
 
     fn suit(&mut self, compute: &dyn Compute) {
         self.pairs = self.pairs.take().map(|pairs| pairs.for_device(compute.pair_device()));
+    }
+
+    fn none(&self, _: ComputedBy) -> PsaCounts {
+        PsaCounts::default()
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PsaCounts> {

@@ -134,7 +134,7 @@ fn a_measurement_that_was_read_goes_on() {
             }
             let done = !first.step(&device, &Control::default()).unwrap();
             let mut rest = Measurement::read("first", &first.write()).unwrap();
-            rest.attach(Arc::new(Points::open(&request.input).unwrap())).unwrap();
+            rest.attach(Arc::new(Points::open(&request.input).unwrap()), &device).unwrap();
             let total = rest.total();
             let mut rest = rest.to(0..total);
             while rest.step(&device, &Control::default()).unwrap() {}
@@ -205,7 +205,7 @@ fn what_is_not_of_one_whole_is_refused_by_name() {
     let read = shard(&request(&write(1)), 0..1, &device).write();
     let line = write(2);
     let mut read = Measurement::read("old", &read).unwrap();
-    let error = read.attach(Arc::new(Points::open(&request(&line).input).unwrap())).unwrap_err().to_string();
+    let error = read.attach(Arc::new(Points::open(&request(&line).input).unwrap()), &device).unwrap_err().to_string();
     assert!(error.contains("other points were measured"), "{error}");
 }
 

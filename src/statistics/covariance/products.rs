@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
-use crate::accumulate::WaveCovariance;
+use crate::accumulate::{ComputedBy, WaveCovariance};
 use crate::compute::Session;
 use crate::error::Result;
 use crate::estimate::{AmplitudeCovariance, Analysis};
@@ -42,6 +42,10 @@ impl Group for Covariance {
 
     fn batch(&self) -> Batch {
         self.0.batch
+    }
+
+    fn none(&self, by: ComputedBy) -> WaveCovariance {
+        WaveCovariance::new(by, self.0.stored())
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<WaveCovariance> {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, LagCounts, Sums};
 use crate::compute::Session;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::estimate::{Analysis, VectorCorrelation};
 use crate::plan::{Batch, Correction, DEFAULT_RINGS, LagGrid, LagPlan};
 use crate::points::Ensemble;
@@ -108,6 +108,11 @@ impl Group for Lags {
         all.into_iter().flatten().min_by_key(|batch| batch.realizations).unwrap_or(self.lags.batch)
     }
 
+    fn none(&self, by: ComputedBy) -> LagSums {
+        let rings = self.rings.as_ref().map(|rings| LagCounts::new(by.clone(), rings));
+        LagSums { lags: LagCounts::new(by, &self.lags), rings }
+    }
+
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<LagSums> {
         let lags = session.lag_counts(&self.lags, batch).await?;
         let rings = match &self.rings {
@@ -139,7 +144,8 @@ impl Sums for LagSums {
         self.lags.merge(&other.lags)?;
         match (&mut self.rings, &other.rings) {
             (Some(rings), Some(other)) => rings.merge(other),
-            _ => Ok(()),
+            (None, None) => Ok(()),
+            _ => Err(Error::input("lag counts", "one part has rings, the other has none")),
         }
     }
 

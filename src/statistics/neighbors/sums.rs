@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
-use crate::accumulate::NeighborSums;
+use crate::accumulate::{ComputedBy, NeighborSums};
 use crate::compute::Session;
 use crate::error::Result;
 use crate::estimate::{Analysis, Neighbors};
@@ -45,6 +45,10 @@ impl Group for Neighborhood {
 
     fn batch(&self) -> Batch {
         self.0.batch
+    }
+
+    fn none(&self, _: ComputedBy) -> NeighborSums {
+        NeighborSums::at(self.0.r.len())
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<NeighborSums> {

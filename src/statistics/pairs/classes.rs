@@ -5,7 +5,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use super::counts::identity;
-use crate::accumulate::{CrossCounts, PairCounts};
+use crate::accumulate::{ComputedBy, CrossCounts, PairCounts};
 use crate::compute::{Compute, Session};
 use crate::error::{Error, Result};
 use crate::estimate::{Analysis, CrossCorrelation};
@@ -71,6 +71,11 @@ impl Group for Classes {
 
     fn suit(&mut self, compute: &dyn Compute) {
         self.pairs = self.pairs.clone().for_device(compute.pair_device());
+    }
+
+    fn none(&self, by: ComputedBy) -> CrossCounts {
+        let none = || PairCounts::new(by.clone(), &self.pairs);
+        CrossCounts { a: none(), b: none(), between: none() }
     }
 
     /// Counts within each class and within both together, one realization after the other: their differences are the

@@ -159,6 +159,10 @@ impl Group for Pairs {
         self.plan = self.plan.clone().for_device(compute.pair_device());
     }
 
+    fn none(&self, by: ComputedBy) -> PairSums {
+        PairSums { counts: PairCounts::new(by, &self.plan), histograms: None }
+    }
+
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PairSums> {
         if let Some((finest, edges)) = self.kept_bins(batch) {
             return self.measure_finest(finest, &edges, batch, session).await;

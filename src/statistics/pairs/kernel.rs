@@ -6,7 +6,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use super::counts::identity;
-use crate::accumulate::{KernelSums, PairCounts};
+use crate::accumulate::{ComputedBy, KernelSums, PairCounts};
 use crate::compute::{Compute, Session};
 use crate::error::Result;
 use crate::estimate::{Analysis, CrossValidation, KernelEstimate};
@@ -72,6 +72,10 @@ impl Group for Search {
         self.0.pairs = self.0.pairs.clone().for_device(compute.pair_device());
     }
 
+    fn none(&self, by: ComputedBy) -> PairCounts {
+        PairCounts::new(by, &self.0.pairs)
+    }
+
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PairCounts> {
         session.pair_counts(&self.0.pairs, batch).await
     }
@@ -113,6 +117,10 @@ impl Group for Smoothed {
 
     fn suit(&mut self, compute: &dyn Compute) {
         self.plan.pairs = self.plan.pairs.clone().for_device(compute.pair_device());
+    }
+
+    fn none(&self, by: ComputedBy) -> KernelSums {
+        KernelSums::new(by, self.plan.r.len())
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<KernelSums> {

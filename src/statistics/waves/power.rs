@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
-use crate::accumulate::WavePower;
+use crate::accumulate::{ComputedBy, WavePower};
 use crate::compute::{Compute, Session};
 use crate::error::{Error, Result, numbers};
 use crate::estimate::{Analysis, PowerSpectrum, RadialSpectrum, SpectrumDetails};
@@ -113,6 +113,10 @@ impl Group for Waves {
 
     fn suit(&mut self, compute: &dyn Compute) {
         self.plan.costs = compute.wave_costs();
+    }
+
+    fn none(&self, by: ComputedBy) -> WavePower {
+        WavePower::new(by, self.plan.waves.len(), &self.plan.rings)
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<WavePower> {
