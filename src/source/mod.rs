@@ -1,12 +1,19 @@
 //! Where the points come from: memory, files or a sampler, batch by batch.
 
-use std::collections::HashMap;
+mod files;
+mod first_pass;
+mod weights;
+
 use std::ops::Range;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Mutex;
 
 use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
+
+use files::Files;
+use first_pass::FirstPass;
+use weights::Weights;
 
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
@@ -40,69 +47,6 @@ enum Kind {
 
 /// Realizations of a range.
 type Draw = dyn Fn(Range<u64>) -> Result<Ensemble> + Send + Sync;
-
-/// What must be known of all weights before any is used.
-#[derive(Debug, Clone, Default)]
-struct Weights {
-    /// The largest magnitude.
-    largest: f64,
-    /// The largest that is the second largest of its realization; `None` where no realization has two points.
-    second: Option<f64>,
-    /// The first below 0, and where it stands.
-    negative: Option<(String, f64)>,
-}
-
-impl Weights {
-    /// Of points that are there; every point weighs 1 where there are none.
-    fn of(ensemble: &Ensemble) -> Self {
-        let mut all = Self::default();
-        for k in 0..ensemble.realizations() {
-            let place = |j| format!("realization {k}, point {j}");
-            match ensemble.weights(k) {
-                Some(weights) => all.see(weights, place),
-                None => all.see(&[1.0, 1.0], place),
-            }
-        }
-        all
-    }
-
-    /// Takes another realization into account.
-    fn see(&mut self, weights: &[f64], place: impl Fn(usize) -> String) {
-        let [mut first, mut second] = [None::<f64>; 2];
-        for (j, &w) in weights.iter().enumerate() {
-            self.largest = self.largest.max(w.abs());
-            if w < 0.0 && self.negative.is_none() {
-                self.negative = Some((place(j), w));
-            }
-            (first, second) = match (first, second) {
-                (Some(a), _) if w <= a => (first, Some(second.map_or(w, |b| b.max(w)))),
-                _ => (Some(w), first),
-            };
-        }
-        self.second = self.second.into_iter().chain(second).reduce(f64::max);
-    }
-}
-
-/// Files that are too large to be held, read when they are needed.
-struct Files {
-    /// Each with the index of its first realization.
-    files: Vec<(u64, PointFile)>,
-    options: ReadOptions,
-    columns: Columns,
-    marks: Marking,
-    /// The file that was read last, if it was read at once.
-    last: Mutex<Option<(usize, Arc<Vec<MarkedPoints>>)>>,
-}
-
-/// What points are marked with, and folded by.
-#[derive(Debug, Clone, Default)]
-struct Marking {
-    wrap: bool,
-    /// Whether there are weights, and the largest of all.
-    largest: Option<f64>,
-    /// The numbers of the classes, if there are any.
-    classes: Option<HashMap<String, u32>>,
-}
 
 impl Points {
     /// Reads the files, or prepares the sampler; resolves the domain.
@@ -360,161 +304,6 @@ fn digest(ensemble: &Ensemble) -> String {
         ensemble.classes(k).into_iter().flatten().for_each(|c| hash.update(&c.to_le_bytes()));
     }
     format!("{:032x}", hash.digest128())
-}
-
-impl Files {
-    fn batch(&self, range: Range<u64>, domain: &Domain, control: &Control) -> Result<Ensemble> {
-        let at = self.files.partition_point(|(first, _)| *first <= range.start).saturating_sub(1);
-        let mut sets = Vec::new();
-        for (k, (first, file)) in self.files.iter().enumerate().skip(at).take_while(|(_, f)| f.0 < range.end) {
-            control.check()?;
-            let end = self.files.get(k + 1).map_or(range.end, |next| next.0).min(range.end);
-            let within = range.start.max(*first) - first..end - first;
-            match file {
-                PointFile::Rows(_) => sets.extend(file.read(within, &self.options, &self.columns)?),
-                PointFile::Whole(_) => {
-                    let whole = self.whole(k, file)?;
-                    let changed =
-                        || Error::input(place(&whole), "holds fewer realizations than when it was first read");
-                    let some = whole.get(within.start as usize..within.end as usize).ok_or_else(changed)?;
-                    sets.extend_from_slice(some);
-                }
-            }
-        }
-        self.marks.ensemble(sets, domain, range.start)
-    }
-
-    /// A file that is read at once; the last one is kept, since batches may cut it.
-    fn whole(&self, k: usize, file: &PointFile) -> Result<Arc<Vec<MarkedPoints>>> {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, sets)) = last.as_ref().filter(|(at, _)| *at == k) {
-            return Ok(sets.clone());
-        }
-        let sets = Arc::new(file.read(0..0, &self.options, &self.columns)?);
-        *last = Some((k, sets.clone()));
-        Ok(sets)
-    }
-}
-
-/// Where the first of some sets stands.
-fn place(sets: &[MarkedPoints]) -> String {
-    sets.first().map_or("points".into(), |set| set.points.source.clone())
-}
-
-impl Marking {
-    /// Realizations from `first` on.
-    fn ensemble(&self, sets: Vec<MarkedPoints>, domain: &Domain, first: u64) -> Result<Ensemble> {
-        let (mut raw, mut weights, mut classes) = (Vec::new(), Vec::new(), Vec::new());
-        for set in sets {
-            if let Some(numbers) = &self.classes {
-                // A label that was not there when the file was first read is in no class.
-                classes.extend(set.labels.iter().map(|label| numbers.get(label).copied().unwrap_or(u32::MAX)));
-            }
-            raw.push(set.points);
-            weights.extend(set.weights);
-        }
-        let mut ensemble = Ensemble::from_raw(&raw, domain, self.wrap, first)?;
-        if let Some(largest) = self.largest {
-            ensemble = ensemble.with_weights_of(&weights, largest);
-        }
-        if self.classes.is_some() {
-            ensemble = ensemble.with_classes(classes);
-        }
-        Ok(ensemble)
-    }
-}
-
-/// What a look at all points, once, finds out.
-struct FirstPass<'a> {
-    request: &'a PointsRequest,
-    dim: Option<usize>,
-    sizes: Vec<u64>,
-    hash: Xxh3Default,
-    weights: Weights,
-    names: Vec<String>,
-    numbers: HashMap<String, u32>,
-}
-
-impl<'a> FirstPass<'a> {
-    fn new(request: &'a PointsRequest) -> Self {
-        Self {
-            request,
-            dim: None,
-            sizes: Vec::new(),
-            hash: Xxh3Default::new(),
-            weights: Weights::default(),
-            names: Vec::new(),
-            numbers: HashMap::new(),
-        }
-    }
-
-    fn domain(&self) -> Result<Domain> {
-        let nothing = || Error::input("points", "the files hold no realizations");
-        domain(self.request, self.dim.ok_or_else(nothing)?)
-    }
-
-    fn see(&mut self, sets: &[MarkedPoints]) {
-        for set in sets {
-            self.dim.get_or_insert(set.points.dim);
-            self.sizes.push(set.points.len() as u64);
-            self.hash.update(&(set.points.len() as u64).to_le_bytes());
-            for x in set.points.coordinates.iter().chain(&set.weights) {
-                self.hash.update(&x.to_le_bytes());
-            }
-            self.weights.see(&set.weights, |j| set.points.place(j));
-            for label in &set.labels {
-                self.hash.update(&(label.len() as u64).to_le_bytes());
-                self.hash.update(label.as_bytes());
-                if !self.numbers.contains_key(label) {
-                    self.numbers.insert(label.clone(), self.names.len() as u32);
-                    self.names.push(label.clone());
-                }
-            }
-        }
-    }
-
-    /// Whether points that are not held can be used.
-    fn check(&self, sets: &[MarkedPoints]) -> Result<()> {
-        let domain = self.domain()?;
-        for set in sets {
-            Ensemble::from_raw(std::slice::from_ref(&set.points), &domain, self.request.wrap, 0)?;
-        }
-        Ok(())
-    }
-
-    fn finish(
-        self,
-        subject: String,
-        held: Option<Vec<MarkedPoints>>,
-        files: impl FnOnce(Marking) -> Files,
-    ) -> Result<Points> {
-        let domain = self.domain()?;
-        let Self { request, sizes, hash, weights, names, numbers, .. } = self;
-        let mut marks = Marking {
-            wrap: request.wrap,
-            largest: request.weight_column.is_some().then_some(weights.largest),
-            classes: request.class_column.is_some().then_some(numbers),
-        };
-        let no_weight = marks.largest == Some(0.0);
-        if no_weight {
-            // What is wrong with the points is said first.
-            marks.largest = None;
-        }
-        let kind = match held {
-            Some(sets) => Kind::Held(marks.ensemble(sets, &domain, 0)?),
-            None => Kind::Files(files(marks)),
-        };
-        if let Some(column) = request.weight_column.as_ref().filter(|_| no_weight) {
-            return Err(Error::setting(Setting::WeightColumn, column, "all weights are 0"));
-        }
-        let identity = json!({
-            "digest": format!("{:032x}", hash.digest128()),
-            "weights": request.weight_column,
-            "classes": request.class_column,
-            "wrap": request.wrap,
-        });
-        Ok(Points { subject, domain, shape: EnsembleShape::of(&sizes), identity, classes: names, weights, kind })
-    }
 }
 
 /// The number of axes that `--box` or `--window` fix.
