@@ -19,7 +19,7 @@ pub(crate) struct Analyze {
 
     /// Directory for the results, to be created
     ///
-    /// Directory for the results; created, never overwritten without --force.
+    /// Directory for the results; created, never overwritten without --force
     #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "explain")]
     out: Option<PathBuf>,
 

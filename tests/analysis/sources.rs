@@ -100,6 +100,13 @@ fn files_that_change_meanwhile_are_an_error() {
     std::fs::write(folder.path().join("batch.txt"), "0.1 0.1\n0.2 0.2\n").unwrap();
     let error = lazy.batch(3..5, &Control::default()).unwrap_err().to_string();
     assert!(error.contains("batch.txt") && error.contains("fewer realizations"), "{error}");
+    let line = inputs(folder.path()).remove(1);
+    let lazy = Points::files_within(&points(&line), 0).unwrap();
+    let path = folder.path().join("batch.npy");
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let error = lazy.batch(0..37, &Control::default()).unwrap_err().to_string();
+    assert!(error.contains("batch.npy") && error.contains("realization 18 is not there any more"), "{error}");
 }
 
 #[test]

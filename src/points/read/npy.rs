@@ -4,7 +4,7 @@
 //! every message names what was found; the general parsers recurse on hostile nesting and multiply shapes unchecked.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -88,11 +88,18 @@ impl Rows {
     pub(super) fn read(&self, range: Range<u64>, columns: &Columns) -> Result<Vec<MarkedPoints>> {
         let numbers = self.numbers() as usize;
         let each = numbers as u64 * self.element.bytes() as u64;
-        let mut bytes = vec![0; ((range.end - range.start) * each) as usize];
+        let length = ((range.end - range.start) * each) as usize;
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(length).map_err(|_| Error::file(&self.path, ErrorKind::OutOfMemory.into()))?;
         let mut file = File::open(&self.path).map_err(|e| Error::file(&self.path, e))?;
         file.seek(SeekFrom::Start(self.data + range.start * each))
-            .and_then(|_| file.read_exact(&mut bytes))
+            .and_then(|_| file.take(length as u64).read_to_end(&mut bytes))
             .map_err(|e| Error::file(&self.path, e))?;
+        if bytes.len() < length {
+            let have = range.start + bytes.len() as u64 / each;
+            let reason = format!("is shorter than when it was first read: realization {have} is not there any more");
+            return Err(Error::input(self.path.display().to_string(), reason));
+        }
         let flat = self.element.decode(&bytes, self.big_endian);
         let sets = flat.chunks_exact(numbers).map(<[f64]>::to_vec).collect();
         let sets = Sets { width: self.sizes[2] as usize, sets, first: Some(range.start) };
