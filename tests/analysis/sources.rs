@@ -100,6 +100,7 @@ fn files_that_change_meanwhile_are_an_error() {
     std::fs::write(folder.path().join("batch.txt"), "0.1 0.1\n0.2 0.2\n").unwrap();
     let error = lazy.batch(3..5, &Control::default()).unwrap_err().to_string();
     assert!(error.contains("batch.txt") && error.contains("fewer realizations"), "{error}");
+    let folder = tempfile::tempdir().unwrap();
     let line = inputs(folder.path()).remove(1);
     let lazy = Points::files_within(&points(&line), 0).unwrap();
     let path = folder.path().join("batch.npy");
