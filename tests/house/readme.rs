@@ -46,8 +46,8 @@ fn the_defaults_are_those_of_the_settings() {
         let default = setting.row().unwrap().left_out(Setting::flag);
         assert!(default.contains(words), "{}: {default}, not {words}", setting.flag());
     }
-    // Nothing else is called a default.
-    let lines = README.lines().filter(|line| line.contains("default"));
+    // Nothing else is called a default; `default()` in code calls nothing so.
+    let lines = README.lines().filter(|line| line.replace("default()", "").contains("default"));
     let known = lines.clone().filter(|line| said.iter().any(|(_, sentence, _)| line.contains(sentence)));
     assert_eq!(lines.collect::<Vec<_>>(), known.collect::<Vec<_>>());
 }
