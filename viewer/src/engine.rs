@@ -126,7 +126,8 @@ impl Engine {
         let id = self.next()?;
         self.last = id;
         let mut job = self.jobs.remove(&id)?;
-        let more = self.step_of(&mut job, control);
+        // The one place that waits; in a window it is on the worker's thread.
+        let more = pollster::block_on(self.step_of(&mut job, control));
         let ended = !matches!(more, Ok(true));
         let cancelled = matches!(more, Err(Error::Cancelled));
         job.idle = ended && !cancelled;
@@ -159,10 +160,10 @@ impl Engine {
         snapshot.map(|s| (id, s))
     }
 
-    fn step_of(&mut self, job: &mut Task, control: &Control) -> Result<bool> {
+    async fn step_of(&mut self, job: &mut Task, control: &Control) -> Result<bool> {
         if job.changed {
             job.changed = false;
-            let device = match self.device(&job.request) {
+            let device = match self.device(&job.request).await {
                 Ok(found) => found,
                 Err(error) => {
                     job.measurement = None;
@@ -181,18 +182,18 @@ impl Engine {
             }
         }
         match (&mut job.measurement, &job.device) {
-            (Some(measurement), Some(device)) => measurement.step(device, control),
+            (Some(measurement), Some(device)) => measurement.advance(device, control, &mut |_| ()).await,
             _ => Ok(false),
         }
     }
 
     /// Devices are opened once.
-    fn device(&mut self, request: &Request) -> Result<Arc<Device>> {
+    async fn device(&mut self, request: &Request) -> Result<Arc<Device>> {
         let of = (request.device, request.threads);
         if let Some(known) = self.devices.iter().find(|d| d.of == of) {
             return Ok(known.device.clone());
         }
-        let device = Arc::new(pollster::block_on(Device::open(request.device, request.threads))?);
+        let device = Arc::new(Device::open(request.device, request.threads).await?);
         self.devices.push(Opened { of, device: device.clone() });
         Ok(device)
     }
