@@ -6,43 +6,38 @@ use eframe::egui;
 use pairwave::display::Panel;
 use pairwave::request::Request;
 
+use crate::actions::{Action, Keyed, Take};
 use crate::controls::Controls;
 use crate::engine::{SetId, Snapshot};
-use crate::export::Exports;
-use crate::files::Files;
+use crate::export::{self, Exports};
+use crate::files::{self, Answer, Choice, Files};
 use crate::hover::Hover;
-use crate::messages::{self, Message};
 use crate::panels::{Panels, Scene};
-use crate::session::Wanted;
+use crate::session::{self, Session};
 use crate::set::{MOST_SETS, Set};
+use crate::state::State;
 use crate::view::{Theme, View};
 use crate::worker::Worker;
-use crate::{controls, help, session, status, style};
+use crate::{help, status, style};
 
-/// The state of the window.
+/// The window.
 pub struct Viewer {
-    pub(crate) sets: Vec<Set>,
-    pub(crate) selected: usize,
-    pub(crate) view: View,
-    pub(crate) hover: Hover,
-    pub(crate) paused: bool,
-    pub(crate) help: bool,
+    state: State,
     /// Whether the status line has the time it took.
     pub timings: bool,
-    /// What came of files, sessions and exports.
-    pub(crate) messages: Vec<Message>,
-    pub(crate) controls: Controls,
-    pub(crate) panels: Panels,
-    pub(crate) exports: Exports,
-    pub(crate) files: Box<dyn Files>,
+    hover: Hover,
+    controls: Controls,
+    panels: Panels,
+    exports: Exports,
+    files: Box<dyn Files>,
+    worker: Worker,
+    /// What the worker was last asked for, by set.
+    asked: BTreeMap<SetId, Request>,
+    /// Whether it was last told to leave a set as it is: every set that it knows is here.
+    held: BTreeMap<SetId, bool>,
     has_style: bool,
     /// What the window is called.
     title: String,
-    worker: Worker,
-    next_id: SetId,
-    /// What the worker was last asked for, by set.
-    asked: BTreeMap<SetId, Request>,
-    held: BTreeMap<SetId, bool>,
 }
 
 impl Viewer {
@@ -53,24 +48,18 @@ impl Viewer {
         notify: impl Fn() + Send + Sync + 'static,
     ) -> std::io::Result<Self> {
         let mut viewer = Self {
-            sets: Vec::new(),
-            selected: 0,
-            view: View::default(),
-            hover: Hover::default(),
-            paused: false,
-            help: false,
+            state: State::default(),
             timings: true,
-            messages: Vec::new(),
+            hover: Hover::default(),
             controls: Controls::default(),
             panels: Panels::default(),
             exports: Exports::default(),
             files,
-            has_style: false,
-            title: String::new(),
             worker: Worker::new(notify)?,
-            next_id: 1,
             asked: BTreeMap::new(),
             held: BTreeMap::new(),
+            has_style: false,
+            title: String::new(),
         };
         viewer.add(request);
         Ok(viewer)
@@ -99,89 +88,39 @@ impl Viewer {
 
     /// Adds a set and selects it; says so if there is no room.
     pub fn add(&mut self, request: Request) {
-        if self.sets.len() >= MOST_SETS {
-            self.fail(format!("There is room for {MOST_SETS} sets: remove one first"));
-            return;
-        }
-        let free = (0..MOST_SETS).find(|c| self.sets.iter().all(|s| s.color != *c));
-        self.sets.push(Set {
-            id: self.next_id,
-            color: free.unwrap_or(0),
-            visible: true,
-            cancelled: false,
-            request,
-            snapshot: None,
-        });
-        self.next_id += 1;
-        self.selected = self.sets.len() - 1;
-    }
-
-    /// Shows these sets and no others; there must be at least one, and room for all.
-    pub(crate) fn replace_sets(&mut self, sets: Vec<Wanted>, selected: usize) {
-        for set in self.sets.drain(..) {
-            self.worker.remove(set.id);
-        }
-        for (request, color, visible) in sets {
-            self.sets.push(Set { id: self.next_id, color, visible, cancelled: false, request, snapshot: None });
-            self.next_id += 1;
-        }
-        self.selected = selected;
-    }
-
-    /// Removes a set; the last one stays.
-    pub(crate) fn remove(&mut self, index: usize) {
-        if self.sets.len() > 1 && index < self.sets.len() {
-            self.worker.remove(self.sets.remove(index).id);
-            self.selected = self.selected.min(self.sets.len() - 1);
-        }
-    }
-
-    /// Whether a panel is on the screen.
-    pub(crate) fn is_shown(&self, panel: Panel) -> bool {
-        match self.view.maximized {
-            Some(one) => one == panel,
-            None => self.view.panels.contains(&panel),
-        }
-    }
-
-    /// What is asked of the worker for a set: what its request says, of the statistics that the panels show.
-    pub(crate) fn wanted(&self, set: &Set) -> Request {
-        let mut stats = Vec::new();
-        for statistic in Panel::ALL.iter().filter(|p| self.is_shown(**p)).flat_map(|p| p.statistics()) {
-            if !stats.contains(statistic) {
-                stats.push(*statistic);
-            }
-        }
-        set.request.only(&stats)
+        self.state.add(request);
     }
 
     /// Tells the worker what changed, and takes what it found.
     fn exchange(&mut self) {
         self.worker.poll();
-        for index in 0..self.sets.len() {
-            let set = &self.sets[index];
-            let (id, wanted, held) = (set.id, self.wanted(set), set.cancelled || !set.visible);
+        for index in 0..self.state.sets.len() {
+            let set = &self.state.sets[index];
+            let (id, wanted, held) = (set.id, self.state.wanted(set), set.cancelled || !set.visible);
             if self.held.get(&id) != Some(&held) {
                 self.held.insert(id, held);
                 self.worker.hold(id, held);
             }
+            let set = &mut self.state.sets[index];
             if set.visible && self.asked.get(&id) != Some(&wanted) {
                 // Other settings start what was cancelled.
-                self.sets[index].cancelled = false;
+                set.cancelled = false;
                 self.asked.insert(id, wanted.clone());
                 self.worker.set(id, wanted);
             }
             if let Some(latest) = self.worker.latest(id) {
-                self.sets[index].snapshot = Some(latest);
+                set.snapshot = Some(latest);
             }
         }
-        self.asked.retain(|id, _| self.sets.iter().any(|s| s.id == *id));
-        self.held.retain(|id, _| self.sets.iter().any(|s| s.id == *id));
+        let is_there = |id: &SetId| self.state.sets.iter().any(|s| s.id == *id);
+        self.held.keys().filter(|id| !is_there(id)).for_each(|id| self.worker.remove(*id));
+        self.asked.retain(|id, _| is_there(id));
+        self.held.retain(|id, _| is_there(id));
     }
 
     /// Names the window after what is in it.
     fn name_window(&mut self, ctx: &egui::Context) {
-        let names: Vec<String> = self.sets.iter().map(Set::name).collect();
+        let names: Vec<String> = self.state.sets.iter().map(Set::name).collect();
         let title = format!("{} - pairwave", names.join(", "));
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
@@ -191,45 +130,58 @@ impl Viewer {
 
     /// Whether measuring is stopped.
     pub fn is_paused(&self) -> bool {
-        self.paused
-    }
-
-    /// Stops or goes on.
-    pub(crate) fn pause(&mut self, paused: bool) {
-        self.paused = paused;
-        self.worker.pause(paused);
+        self.state.paused
     }
 
     /// Whether everything asked for is there.
     pub fn is_settled(&self) -> bool {
-        let settled = |s: &Snapshot| s.done || s.error.is_some();
-        self.sets
-            .iter()
-            .filter(|s| s.visible && !s.cancelled)
-            .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(s) && s.request == self.wanted(set)))
+        self.state.is_settled()
     }
 
     /// How things are shown.
     pub fn view(&self) -> &View {
-        &self.view
+        &self.state.view
     }
 
     /// Shows things otherwise.
     pub fn set_view(&mut self, view: View) {
-        self.view = view;
+        self.state.view = view;
     }
 
     /// What is asked for of each set.
     pub fn requests(&self) -> impl Iterator<Item = &Request> {
-        self.sets.iter().map(|set| &set.request)
+        self.state.sets.iter().map(|set| &set.request)
     }
 
     /// The latest of each set.
     pub fn snapshots(&self) -> impl Iterator<Item = Option<&Snapshot>> {
-        self.sets.iter().map(|set| set.snapshot.as_deref())
+        self.state.sets.iter().map(|set| set.snapshot.as_deref())
     }
 
-    /// Draws a frame.
+    /// The session as text.
+    pub fn session(&self) -> String {
+        Session::of(&self.state).text()
+    }
+
+    /// Takes a session; after an error nothing has changed.
+    pub fn open_session(&mut self, text: &str) -> Result<(), String> {
+        self.take_session(&Session::parse(text)?)
+    }
+
+    /// Shows what a session says; after an error nothing has changed.
+    pub fn take_session(&mut self, session: &Session) -> Result<(), String> {
+        session.show(&mut self.state)
+    }
+
+    /// Takes up where the last window ended. If that cannot be, says why and leaves things as they are.
+    pub fn reopen(&mut self, text: &str) {
+        if let Err(error) = self.open_session(text) {
+            let failed = format!("The last session could not be reopened, so this is a new one: {error}");
+            self.state.messages.fail(failed);
+        }
+    }
+
+    /// Draws a frame. What is asked for in a part of it is done before the next part is drawn.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         if !std::mem::replace(&mut self.has_style, true) {
@@ -237,39 +189,162 @@ impl Viewer {
             ctx.request_repaint();
             return;
         }
-        ctx.set_theme(match self.view.theme {
+        ctx.set_theme(match self.state.view.theme {
             Theme::System => egui::ThemePreference::System,
             Theme::Light => egui::ThemePreference::Light,
             Theme::Dark => egui::ThemePreference::Dark,
         });
         self.exchange();
-        help::shortcuts(&ctx, self);
-        self.take_files(&ctx);
+        let actions = help::shortcuts(&ctx, self.state.help);
+        self.carry_out(&ctx, actions);
+        for answer in files::arrived(&ctx, &mut *self.files) {
+            self.answer(answer);
+        }
         self.name_window(&ctx);
-        egui::Panel::bottom("status").show(ui, |ui| status::show(ui, self));
-        egui::Panel::left("controls")
+        let bottom = egui::Panel::bottom("status").show(ui, |ui| status::show(ui, &self.state, self.timings));
+        self.carry_out(&ctx, bottom.inner);
+        let left = egui::Panel::left("controls")
             .resizable(true)
             .default_size(248.0)
             .size_range(220.0..=420.0)
-            .show(ui, |ui| egui::ScrollArea::vertical().show(ui, |ui| controls::show(ui, self)));
+            .show(ui, |ui| egui::ScrollArea::vertical().show(ui, |ui| self.controls.show(ui, &self.state)).inner);
+        self.carry_out(&ctx, left.inner);
+        let mut actions = Vec::new();
         let middle = egui::CentralPanel::default().show(ui, |ui| {
             let mut scene = Scene {
-                sets: &self.sets,
-                selected: self.selected,
-                view: &mut self.view,
+                sets: &self.state.sets,
+                selected: self.state.selected,
+                view: &self.state.view,
                 hover: &mut self.hover,
                 exports: &mut self.exports,
-                paused: self.paused,
+                paused: self.state.paused,
+                actions: &mut actions,
             };
             self.panels.show(ui, &mut scene);
         });
-        help::show(&ctx, self);
-        messages::show(&ctx, self, middle.response.rect);
-        self.announce_drop(&ctx);
-        self.carry_out_exports(&ctx);
+        if self.state.help {
+            actions.extend(help::show(&ctx));
+        }
+        self.state.messages.show(&ctx, middle.response.rect);
+        files::announce_drop(&ctx, self.state.sets.len() < MOST_SETS);
+        self.carry_out(&ctx, actions);
+        self.exports.shoot(&ctx);
+        if let Some((panel, take, image)) = self.exports.picture(&ctx) {
+            self.take_picture(&ctx, panel, take, image);
+        }
         if self.hover.end_frame() {
             ctx.request_repaint();
         }
+    }
+
+    /// Does what was asked for, in its order; what was drawn before shows it in the next frame.
+    fn carry_out(&mut self, ctx: &egui::Context, actions: Vec<Action>) {
+        if !actions.is_empty() {
+            ctx.request_repaint();
+        }
+        for action in actions {
+            self.act(ctx, action);
+        }
+    }
+
+    fn act(&mut self, ctx: &egui::Context, action: Action) {
+        let state = &mut self.state;
+        match action {
+            Action::Keyed(keyed) => self.act_keyed(ctx, keyed),
+            Action::Maximize(panel) => state.view.maximized = panel,
+            Action::Ask(id, request) => state.change(id, |set| set.request = *request),
+            Action::Look(view) => state.view = *view,
+            Action::Plane(plane) => state.view.plane = plane,
+            Action::Select(id) => state.select(id),
+            Action::Show(id, visible) => state.change(id, |set| set.visible = visible),
+            Action::Cancel(id, cancelled) => state.change(id, |set| set.cancelled = cancelled),
+            Action::Remove(id) => state.remove(id),
+            Action::AddSampler(name) => state.add_sampler(name),
+            Action::Choose(choice) => self.files.choose(choice),
+            Action::Take(_, Take::Command) => self.copy_command(ctx),
+            Action::Take(panel, take @ (Take::CopyPicture | Take::Shown)) => self.exports.ask(panel, take),
+            Action::Take(panel, take) => {
+                let Some(set) = state.selected_set() else { return };
+                let file = export::saved(panel, take, set, state.sets.len());
+                self.save(file);
+            }
+        }
+    }
+
+    fn act_keyed(&mut self, ctx: &egui::Context, keyed: Keyed) {
+        let state = &mut self.state;
+        match keyed {
+            Keyed::Help => state.help = !state.help,
+            Keyed::Leave if state.help => state.help = false,
+            Keyed::Leave | Keyed::AllPanels => state.view.maximized = None,
+            Keyed::Pause => {
+                state.paused = !state.paused;
+                self.worker.pause(state.paused);
+            }
+            // Which one, its key says: an `Action::Maximize`.
+            Keyed::Panel => {}
+            Keyed::ResetZoom => self.panels.reset(),
+            Keyed::Theme => state.view.theme = state.view.theme.next(),
+            Keyed::More => state.double(),
+            Keyed::Fewer => state.halve(),
+            Keyed::Seed => state.reseed(),
+            Keyed::Add => state.add_other(),
+            Keyed::Duplicate => state.duplicate(),
+            Keyed::Remove => state.remove_selected(),
+            Keyed::Previous => state.selected = state.selected.saturating_sub(1),
+            Keyed::Next => state.selected = (state.selected + 1).min(state.sets.len().saturating_sub(1)),
+            Keyed::SaveSession => {
+                let text = self.session();
+                self.files.save("session.json", text.into_bytes());
+            }
+            Keyed::OpenSession => self.files.choose(Choice::Session),
+            Keyed::CopyCommand => self.copy_command(ctx),
+        }
+    }
+
+    /// Takes what came of files.
+    fn answer(&mut self, answer: Answer) {
+        match answer {
+            Answer::Points(files) => self.state.add_files(files),
+            Answer::Session { path, text } => match self.open_session(&text) {
+                Ok(()) => self.state.messages.note(format!("Opened {}", path.display())),
+                Err(error) => self.state.messages.fail(format!("{}: {error}", path.display())),
+            },
+            Answer::Saved(path) => self.state.messages.note(format!("Saved {}", path.display())),
+            Answer::Failed(text) => self.state.messages.fail(text),
+        }
+    }
+
+    /// Asks where to, and writes a file; or says why there is none.
+    fn save(&mut self, file: Result<(String, Vec<u8>), String>) {
+        match file {
+            Ok((name, bytes)) => self.files.save(&name, bytes),
+            Err(error) => self.state.messages.fail(error),
+        }
+    }
+
+    fn take_picture(&mut self, ctx: &egui::Context, panel: Panel, take: Take, image: Option<egui::ColorImage>) {
+        let Some(set) = self.state.selected_set() else { return };
+        match image {
+            None => {
+                self.save(Err(format!("{} is not on the screen any more, so there is no picture of it", panel.name())))
+            }
+            Some(image) if take == Take::CopyPicture => {
+                ctx.copy_image(image);
+                self.state.messages.note(format!("Copied the picture of {}", panel.name()));
+            }
+            Some(image) => {
+                let file = export::saved_picture(panel, &image, set, self.state.sets.len());
+                self.save(file);
+            }
+        }
+    }
+
+    /// The equivalent command, to the clipboard.
+    fn copy_command(&mut self, ctx: &egui::Context) {
+        let Some(request) = export::command_of(&self.state) else { return };
+        ctx.copy_text(request.command());
+        self.state.messages.note(export::copied(&request));
     }
 }
 

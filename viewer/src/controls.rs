@@ -11,9 +11,10 @@ use eframe::egui;
 use pairwave::Setting;
 use pairwave::request::{self, Request, SETTINGS};
 
-use crate::app::Viewer;
+use crate::actions::Action;
 use crate::engine::SetId;
 use crate::set::Set;
+use crate::state::State;
 
 /// Width of the column of names.
 const NAMES: f32 = 92.0;
@@ -42,25 +43,31 @@ impl Default for Controls {
     }
 }
 
-/// Draws the controls.
-pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
-    ui.spacing_mut().item_spacing.y = 4.0;
-    ui.add_space(4.0);
-    sets::show(ui, viewer);
-    ui.separator();
-    points::show(ui, viewer);
-    ui.separator();
-    measure::show(ui, viewer);
-    looks::show(ui, viewer);
-    let ids: Vec<SetId> = viewer.sets.iter().map(|s| s.id).collect();
-    viewer.controls.typed.retain(|(id, _), _| ids.contains(id));
-}
-
-/// A small button that shows a sign and says in words what it does.
-pub(crate) fn icon(ui: &mut egui::Ui, sign: &str, text: &str) -> egui::Response {
-    let response = ui.small_button(sign).on_hover_text(text);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, text));
-    response
+impl Controls {
+    /// Draws the controls. What is asked for by them.
+    pub(crate) fn show(&mut self, ui: &mut egui::Ui, state: &State) -> Vec<Action> {
+        let mut actions = Vec::new();
+        ui.spacing_mut().item_spacing.y = 4.0;
+        ui.add_space(4.0);
+        sets::show(ui, state, &mut actions);
+        ui.separator();
+        if let Some(set) = state.selected_set() {
+            let mut request = set.request.clone();
+            points::show(ui, self, set, &mut request);
+            ui.separator();
+            measure::show(ui, self, set, &mut request);
+            if request != set.request {
+                actions.push(Action::Ask(set.id, Box::new(request)));
+            }
+        }
+        let mut view = state.view.clone();
+        looks::show(ui, state.selected_set().and_then(Set::analysis), &mut view);
+        if view != state.view {
+            actions.push(Action::Look(Box::new(view)));
+        }
+        self.typed.retain(|(id, _), _| state.sets.iter().any(|set| set.id == *id));
+        actions
+    }
 }
 
 /// A name and, beside it, what it names.
@@ -96,10 +103,17 @@ fn choice<T: Copy + PartialEq>(
 }
 
 /// A setting of a set: what it takes decides what it looks like. What was refused is said below it.
-fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, setting: Setting, title: &str) {
+fn setting(
+    ui: &mut egui::Ui,
+    controls: &mut Controls,
+    set: &Set,
+    request: &mut Request,
+    setting: Setting,
+    title: &str,
+) {
     let Some(row) = setting.row() else { return };
     let key = (set.id, setting);
-    let value = set.request.value(setting);
+    let value = request.value(setting);
     let help = format!("{}\n{}", controls.help.get(&setting).map_or("", String::as_str), row.flag);
     let (choices, otherwise) = (row.choices(), row.left_out(Setting::flag));
     let mut wanted = None;
@@ -137,9 +151,9 @@ fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, setting: S
         }
     }
     if let Some(text) = wanted {
-        match set.request.with(setting, &text) {
-            Ok(request) => {
-                set.request = request;
+        match request.with(setting, &text) {
+            Ok(changed) => {
+                *request = changed;
                 controls.typed.remove(&key);
             }
             Err(error) => _ = controls.typed.insert(key, Typed { text, error: Some(error.told(Setting::flag)) }),
@@ -155,17 +169,6 @@ fn setting(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set, setting: S
 fn refusal(ui: &mut egui::Ui, error: &str) {
     let color = ui.visuals().error_fg_color;
     ui.add(egui::Label::new(egui::RichText::new(error).color(color).small()).wrap());
-}
-
-/// A request of a sampler, in place of whatever points there were.
-fn of_sampler(request: &Request, name: &str) -> Request {
-    let mut request = request.clone();
-    let old = std::mem::take(&mut request.input);
-    request.input.sampler = Some(name.into());
-    request.input.points = old.points.or(Some(1024));
-    request.input.realizations = old.realizations;
-    (request.input.dim, request.input.seed) = (old.dim, old.seed);
-    request
 }
 
 #[cfg(test)]

@@ -8,28 +8,15 @@ use pairwave::display::Panel;
 use pairwave::report::panel::{self, Offers};
 use pairwave::request::Request;
 
-use crate::app::Viewer;
-use crate::help::{self, Action};
+use crate::actions::{Keyed, Take};
 use crate::set::Set;
-use crate::{colors, controls};
+use crate::state::State;
+use crate::{colors, help, style};
 
-/// Something to take away.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Take {
-    CopyPicture,
-    Shown,
-    Svg,
-    Png,
-    Csv,
-    Npy,
-    Command,
-}
-
-/// Where panels are, and what was asked for.
+/// Where panels are, and the picture that is asked for of one.
 #[derive(Default)]
 pub(crate) struct Exports {
     rects: Vec<(Panel, egui::Rect)>,
-    asked: Option<(Panel, Take)>,
     shot: Option<Shot>,
     /// The window, once it has been read back.
     arrived: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
@@ -51,48 +38,13 @@ impl Exports {
         self.rects.push((panel, rect));
     }
 
-    /// The menu of a panel: what there is of the selected set, one of `count`.
-    pub(crate) fn menu(&mut self, ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) {
-        let button = controls::icon(ui, "📤", &format!("Take away {}", panel.name()));
-        egui::Popup::menu(&button).width(232.0).show(|ui| self.entries(ui, panel, set, count));
-    }
-
-    fn entries(&mut self, ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) {
-        let analysis = set.analysis();
-        let offers = analysis.map(|analysis| panel::offers(panel, analysis));
-        heading(ui, panel, set, count);
-        ui.separator();
-        let mut entry = |ui: &mut egui::Ui, take: Take| {
-            let (text, about) = words(panel, take);
-            let there = match (take, &offers) {
-                (Take::CopyPicture | Take::Shown | Take::Command, _) => true,
-                (_, None) => false,
-                (take, Some(offers)) => offered(take, offers),
-            };
-            let mut button = egui::Button::new(text);
-            if take == Take::Command {
-                button = button.shortcut_text(help::keys(ui.ctx(), Action::CopyCommand));
-            }
-            let response = ui.add_enabled(there, button);
-            let response = response.on_hover_text(about).on_disabled_hover_text(why_not(panel, take, set));
-            if response.clicked() {
-                self.asked = Some((panel, take));
-                ui.close();
-            }
-        };
-        entry(ui, Take::CopyPicture);
-        entry(ui, Take::Shown);
-        ui.separator();
-        entry(ui, Take::Svg);
-        entry(ui, Take::Png);
-        entry(ui, Take::Csv);
-        entry(ui, Take::Npy);
-        ui.separator();
-        entry(ui, Take::Command);
+    /// Asks for the picture of a panel.
+    pub(crate) fn ask(&mut self, panel: Panel, take: Take) {
+        self.shot = Some(Shot { panel, take, wait: Some(1) });
     }
 
     /// Takes the picture of the window when it is time to.
-    fn shoot(&mut self, ctx: &egui::Context) {
+    pub(crate) fn shoot(&mut self, ctx: &egui::Context) {
         let Some(wait) = self.shot.as_mut().and_then(|shot| shot.wait.as_mut()) else { return };
         if *wait > 0 {
             *wait -= 1;
@@ -110,12 +62,49 @@ impl Exports {
     }
 
     /// The picture of a panel, once it is there.
-    fn picture(&mut self, ctx: &egui::Context) -> Option<(Panel, Take, Option<egui::ColorImage>)> {
+    pub(crate) fn picture(&mut self, ctx: &egui::Context) -> Option<(Panel, Take, Option<egui::ColorImage>)> {
         let window = self.arrived.lock().unwrap_or_else(PoisonError::into_inner).take()?;
         let Shot { panel, take, .. } = self.shot.take()?;
         let rect = self.rects.iter().find(|(of, _)| *of == panel).map(|(_, rect)| *rect);
         Some((panel, take, rect.and_then(|rect| crop(&window, rect, ctx.pixels_per_point()))))
     }
+}
+
+/// The menu of a panel: what there is of the selected set, one of `count`. What was chosen.
+pub(crate) fn menu(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) -> Option<Take> {
+    let button = style::icon(ui, "📤", &format!("Take away {}", panel.name()));
+    egui::Popup::menu(&button).width(232.0).show(|ui| entries(ui, panel, set, count))?.inner
+}
+
+fn entries(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) -> Option<Take> {
+    let analysis = set.analysis();
+    let offers = analysis.map(|analysis| panel::offers(panel, analysis));
+    heading(ui, panel, set, count);
+    let mut chosen = None;
+    for takes in
+        [&[Take::CopyPicture, Take::Shown][..], &[Take::Svg, Take::Png, Take::Csv, Take::Npy], &[Take::Command]]
+    {
+        ui.separator();
+        for &take in takes {
+            let (text, about) = words(panel, take);
+            let there = match (take, &offers) {
+                (Take::CopyPicture | Take::Shown | Take::Command, _) => true,
+                (_, None) => false,
+                (take, Some(offers)) => offered(take, offers),
+            };
+            let mut button = egui::Button::new(text);
+            if take == Take::Command {
+                button = button.shortcut_text(help::keys(ui.ctx(), Keyed::CopyCommand));
+            }
+            let response = ui.add_enabled(there, button);
+            let response = response.on_hover_text(about).on_disabled_hover_text(why_not(panel, take, set));
+            if response.clicked() {
+                chosen = Some(take);
+                ui.close();
+            }
+        }
+    }
+    chosen
 }
 
 /// Which set it is, and how far.
@@ -237,67 +226,44 @@ fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String {
     format!("{}_{file}", stem.chars().map(plain).collect::<String>())
 }
 
-impl Viewer {
-    /// Writes what was asked for.
-    pub(crate) fn carry_out_exports(&mut self, ctx: &egui::Context) {
-        match self.exports.asked.take() {
-            Some((_, Take::Command)) => self.copy_command(ctx),
-            Some((panel, take @ (Take::CopyPicture | Take::Shown))) => {
-                self.exports.shot = Some(Shot { panel, take, wait: Some(1) });
-            }
-            Some((panel, take)) => self.save_file(panel, take),
-            None => {}
-        }
-        self.exports.shoot(ctx);
-        if let Some((panel, take, image)) = self.exports.picture(ctx) {
-            self.take_picture(ctx, panel, take, image);
-        }
+/// What is saved of a panel of the selected set, one of `count`: the name of the file and its bytes, or why there is none.
+pub(crate) fn saved(panel: Panel, take: Take, set: &Set, count: usize) -> Result<(String, Vec<u8>), String> {
+    let name = name(panel, take, set, count);
+    match set.analysis().map(|analysis| file(panel, take, analysis)) {
+        Some(Ok(Some(bytes))) => Ok((name, bytes)),
+        Some(Err(error)) => Err(error.told(pairwave::Setting::flag)),
+        Some(Ok(None)) | None => Err(format!("{name}: there are no data for it any more")),
     }
+}
 
-    fn save_file(&mut self, panel: Panel, take: Take) {
-        let Some(set) = self.sets.get(self.selected) else { return };
-        let name = name(panel, take, set, self.sets.len());
-        match set.analysis().map(|analysis| file(panel, take, analysis)) {
-            Some(Ok(Some(bytes))) => self.files.save(&name, bytes),
-            Some(Err(error)) => self.fail(error.told(pairwave::Setting::flag)),
-            Some(Ok(None)) | None => self.fail(format!("{name}: there are no data for it any more")),
-        }
+/// The same of its picture as shown.
+pub(crate) fn saved_picture(
+    panel: Panel,
+    image: &egui::ColorImage,
+    set: &Set,
+    count: usize,
+) -> Result<(String, Vec<u8>), String> {
+    let name = name(panel, Take::Shown, set, count);
+    match encode(image) {
+        Ok(bytes) => Ok((name, bytes)),
+        Err(error) => Err(format!("{name}: {error}")),
     }
+}
 
-    fn take_picture(&mut self, ctx: &egui::Context, panel: Panel, take: Take, image: Option<egui::ColorImage>) {
-        let Some(set) = self.sets.get(self.selected) else { return };
-        let name = name(panel, take, set, self.sets.len());
-        match image {
-            None => self.fail(format!("{} is not on the screen any more, so there is no picture of it", panel.name())),
-            Some(image) if take == Take::CopyPicture => {
-                ctx.copy_image(image);
-                self.note(format!("Copied the picture of {}", panel.name()));
-            }
-            Some(image) => match encode(&image) {
-                Ok(bytes) => self.files.save(&name, bytes),
-                Err(error) => self.fail(format!("{name}: {error}")),
-            },
-        }
-    }
+/// What `pairwave analyze` must be asked for to find the numbers that the panels show of the selected set. With no statistic
+/// shown, those that are measured where none are named.
+pub(crate) fn command_of(state: &State) -> Option<Request> {
+    let set = state.selected_set()?;
+    let wanted = state.wanted(set);
+    Some(if wanted.stats.is_empty() { set.request.only(&Request::default().stats) } else { wanted })
+}
 
-    /// What `pairwave analyze` must be asked for to find the numbers that the panels show of the selected set. With no statistic
-    /// shown, those that are measured where none are named.
-    fn taken(&self) -> Option<Request> {
-        let set = self.sets.get(self.selected)?;
-        let wanted = self.wanted(set);
-        Some(if wanted.stats.is_empty() { set.request.only(&Request::default().stats) } else { wanted })
-    }
-
-    /// The equivalent command, to the clipboard.
-    pub(crate) fn copy_command(&mut self, ctx: &egui::Context) {
-        let Some(request) = self.taken() else { return };
-        ctx.copy_text(request.command());
-        let mut paths = request.input.files.iter().chain(&request.edges).chain(&request.frequencies);
-        let relative = paths.any(|path| path.is_relative() && path.as_os_str() != "-");
-        let folder = std::env::current_dir().ok().filter(|_| relative);
-        self.note(match folder {
-            Some(folder) => format!("Copied the command; its paths start in {}", folder.display()),
-            None => "Copied the command".into(),
-        });
+/// What is said when the command of a request was copied.
+pub(crate) fn copied(request: &Request) -> String {
+    let mut paths = request.input.files.iter().chain(&request.edges).chain(&request.frequencies);
+    let relative = paths.any(|path| path.is_relative() && path.as_os_str() != "-");
+    match std::env::current_dir().ok().filter(|_| relative) {
+        Some(folder) => format!("Copied the command; its paths start in {}", folder.display()),
+        None => "Copied the command".into(),
     }
 }

@@ -6,9 +6,7 @@ mod local;
 use std::path::{Path, PathBuf};
 
 use eframe::egui;
-use pairwave::request::PointsRequest;
 
-use crate::app::Viewer;
 use crate::session::Session;
 use crate::set::MOST_SETS;
 
@@ -62,59 +60,40 @@ pub(crate) fn read_session(path: &Path) -> Answer {
     }
 }
 
-impl Viewer {
-    /// Takes what was chosen, written or dropped since the last frame.
-    pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|i| i.raw.dropped_files.clone());
-        let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
-        let is_session = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-        let mut answers = self.files.answers();
-        answers.extend(paths.iter().filter(is_session).map(|path| read_session(path)));
-        let points: Vec<PathBuf> = paths.iter().filter(|path| !is_session(path)).cloned().collect();
-        if !points.is_empty() {
-            answers.push(Answer::Points(points));
-        }
-        for answer in answers {
-            match answer {
-                Answer::Points(files) => self.open_points(files),
-                Answer::Session { path, text } => match self.open_session(&text) {
-                    Ok(()) => self.note(format!("Opened {}", path.display())),
-                    Err(error) => self.fail(format!("{}: {error}", path.display())),
-                },
-                Answer::Saved(path) => self.note(format!("Saved {}", path.display())),
-                Answer::Failed(text) => self.fail(text),
-            }
-        }
+/// What was chosen, written or dropped since the last frame.
+pub(crate) fn arrived(ctx: &egui::Context, files: &mut dyn Files) -> Vec<Answer> {
+    let dropped = ctx.input(|i| i.raw.dropped_files.clone());
+    let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
+    let is_session = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let mut answers = files.answers();
+    answers.extend(paths.iter().filter(is_session).map(|path| read_session(path)));
+    let points: Vec<PathBuf> = paths.iter().filter(|path| !is_session(path)).cloned().collect();
+    if !points.is_empty() {
+        answers.push(Answer::Points(points));
     }
+    answers
+}
 
-    /// Adds a set of files, one batch, measured like the set that is selected.
-    pub(crate) fn open_points(&mut self, files: Vec<PathBuf>) {
-        let mut request = self.sets.get(self.selected).map(|set| set.request.clone()).unwrap_or_default();
-        request.input = PointsRequest { files, ..PointsRequest::default() };
-        self.add(request);
+/// While files are held over the window: says what dropping them does; `has_room`: whether there is room for a set.
+pub(crate) fn announce_drop(ctx: &egui::Context, has_room: bool) {
+    let hovering = ctx.input(|i| i.raw.hovered_files.len());
+    if hovering == 0 {
+        return;
     }
-
-    /// While files are held over the window: says what dropping them does.
-    pub(crate) fn announce_drop(&self, ctx: &egui::Context) {
-        let hovering = ctx.input(|i| i.raw.hovered_files.len());
-        if hovering == 0 {
-            return;
-        }
-        let text = match (self.sets.len() < MOST_SETS, hovering) {
-            (false, _) => format!("There is room for {MOST_SETS} sets: remove one first"),
-            (true, 1) => "Drop to add this file or folder as a set; a session opens".to_string(),
-            (true, many) => format!("Drop to add {many} files as one set"),
-        };
-        let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
-        let (all, visuals) = (ctx.content_rect(), ctx.global_style().visuals.clone());
-        painter.rect_filled(all, 0.0, visuals.panel_fill.gamma_multiply(0.85));
-        painter.rect_stroke(
-            all.shrink(12.0),
-            8.0,
-            egui::Stroke::new(2.0, visuals.selection.bg_fill),
-            egui::StrokeKind::Inside,
-        );
-        let font = egui::TextStyle::Heading.resolve(&ctx.global_style());
-        painter.text(all.center(), egui::Align2::CENTER_CENTER, text, font, visuals.strong_text_color());
-    }
+    let text = match (has_room, hovering) {
+        (false, _) => format!("There is room for {MOST_SETS} sets: remove one first"),
+        (true, 1) => "Drop to add this file or folder as a set; a session opens".to_string(),
+        (true, many) => format!("Drop to add {many} files as one set"),
+    };
+    let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
+    let (all, visuals) = (ctx.content_rect(), ctx.global_style().visuals.clone());
+    painter.rect_filled(all, 0.0, visuals.panel_fill.gamma_multiply(0.85));
+    painter.rect_stroke(
+        all.shrink(12.0),
+        8.0,
+        egui::Stroke::new(2.0, visuals.selection.bg_fill),
+        egui::StrokeKind::Inside,
+    );
+    let font = egui::TextStyle::Heading.resolve(&ctx.global_style());
+    painter.text(all.center(), egui::Align2::CENTER_CENTER, text, font, visuals.strong_text_color());
 }

@@ -5,9 +5,12 @@
 //! ```text
 //! controls -> Request -> worker (Engine: Measurement per set) -> Snapshot -> panels
 //! ```
+//!
+//! Whatever is drawn borrows the `State` and answers with `Action`s; `app` alone carries them out.
 
 #![warn(unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+pub mod actions;
 pub mod app;
 mod colors;
 mod controls;
@@ -21,6 +24,7 @@ mod messages;
 mod panels;
 pub mod session;
 mod set;
+mod state;
 mod status;
 mod style;
 pub mod view;

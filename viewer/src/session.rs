@@ -3,16 +3,13 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use eframe::egui;
 use pairwave::display::ToneMap;
 use pairwave::request::Request;
 use pairwave::source::Points;
 use serde::{Deserialize, Serialize};
 
-use crate::app::Viewer;
-use crate::files::Choice;
-use crate::help::{self, Action};
-use crate::set::MOST_SETS;
+use crate::set::{MOST_SETS, Set, Wanted};
+use crate::state::State;
 use crate::view::View;
 
 /// What a session calls itself.
@@ -55,25 +52,25 @@ struct Head {
     version: Option<u64>,
 }
 
-/// A set that is to be shown: what is asked for, colour and visibility.
-pub(crate) type Wanted = (Request, usize, bool);
-
 impl Session {
     /// What the window shows now.
-    pub(crate) fn of(viewer: &Viewer) -> Self {
-        let entry = |set: &crate::set::Set| Entry {
-            arguments: set.request.arguments(),
-            color: set.color,
-            visible: set.visible,
-        };
+    pub(crate) fn of(state: &State) -> Self {
+        let entry = |set: &Set| Entry { arguments: set.request.arguments(), color: set.color, visible: set.visible };
         Self {
             format: FORMAT.into(),
             version: VERSION,
             folder: std::env::current_dir().ok(),
-            sets: viewer.sets.iter().map(entry).collect(),
-            selected: viewer.selected,
-            view: viewer.view.clone(),
+            sets: state.sets.iter().map(entry).collect(),
+            selected: state.selected,
+            view: state.view.clone(),
         }
+    }
+
+    /// Shows what it says; after an error nothing has changed.
+    pub(crate) fn show(&self, state: &mut State) -> Result<(), String> {
+        state.replace(self.wanted()?, self.selected);
+        state.view = self.view.clone();
+        Ok(())
     }
 
     /// As JSON.
@@ -110,7 +107,7 @@ impl Session {
     }
 
     /// The sets. Says what is wrong with one of them, or with what is shown.
-    pub(crate) fn wanted(&self) -> Result<Vec<Wanted>, String> {
+    fn wanted(&self) -> Result<Vec<Wanted>, String> {
         let count = self.sets.len();
         if !(1..=MOST_SETS).contains(&count) {
             return Err(format!("the session has {count} sets; it must have 1 to {MOST_SETS}"));
@@ -173,53 +170,5 @@ impl Session {
     }
 }
 
-impl Viewer {
-    /// The session as text.
-    pub fn session(&self) -> String {
-        Session::of(self).text()
-    }
-
-    /// Takes a session; after an error nothing has changed.
-    pub fn open_session(&mut self, text: &str) -> Result<(), String> {
-        self.take_session(&Session::parse(text)?)
-    }
-
-    /// Shows what a session says; after an error nothing has changed.
-    pub fn take_session(&mut self, session: &Session) -> Result<(), String> {
-        self.replace_sets(session.wanted()?, session.selected);
-        self.view = session.view.clone();
-        Ok(())
-    }
-
-    /// Takes up where the last window ended. If that cannot be, says why and leaves things as they are.
-    pub fn reopen(&mut self, text: &str) {
-        if let Err(error) = self.open_session(text) {
-            self.fail(format!("The last session could not be reopened, so this is a new one: {error}"));
-        }
-    }
-
-    /// Asks where to, and saves the session there.
-    pub(crate) fn save_session(&mut self) {
-        let text = self.session();
-        self.files.save("session.json", text.into_bytes());
-    }
-}
-
 /// Where the last session is kept between two runs.
 pub const LAST: &str = "session";
-
-/// The menu of sessions.
-pub(crate) fn menu(ui: &mut egui::Ui, viewer: &mut Viewer) {
-    ui.menu_button("Session", |ui| {
-        let mut entry = |text, action: Action, about| {
-            let button = egui::Button::new(text).shortcut_text(help::keys(ui.ctx(), action));
-            ui.add(button).on_hover_text(about).clicked()
-        };
-        if entry("Save session…", Action::SaveSession, "Sets, view and theme, as JSON; no numbers") {
-            viewer.save_session();
-        }
-        if entry("Open session…", Action::OpenSession, "Replaces the sets and the view") {
-            viewer.files.choose(Choice::Session);
-        }
-    });
-}

@@ -4,11 +4,15 @@ use std::sync::Arc;
 
 use pairwave::analysis::Analysis;
 use pairwave::request::Request;
+use pairwave::samplers::find;
 
 use crate::engine::{SetId, Snapshot};
 
 /// How many sets are shown at most.
 pub(crate) const MOST_SETS: usize = 4;
+
+/// A set that is to be shown: what is asked for, colour and visibility.
+pub(crate) type Wanted = (Request, usize, bool);
 
 /// A set with what is asked of it and what is known of it.
 pub(crate) struct Set {
@@ -49,4 +53,24 @@ impl Set {
             (None, files) => format!("{} files", files.len()),
         }
     }
+}
+
+/// A request of a sampler, in place of whatever points there were, as many as it can have.
+pub(crate) fn of_sampler(request: &Request, name: &str) -> Request {
+    let mut request = request.clone();
+    let old = std::mem::take(&mut request.input);
+    request.input.sampler = Some(name.into());
+    request.input.points = old.points.or(Some(1024));
+    request.input.realizations = old.realizations;
+    (request.input.dim, request.input.seed) = (old.dim, old.seed);
+    fitting(request)
+}
+
+/// The request with the number of points nearest to its own that its sampler takes.
+pub(crate) fn fitting(mut request: Request) -> Request {
+    let input = &mut request.input;
+    if let Some(sampler) = input.sampler.as_deref().and_then(|name| find(name).ok()) {
+        input.points = input.points.map(|n| sampler.nearest_size(n, input.dim.unwrap_or(2)));
+    }
+    request
 }

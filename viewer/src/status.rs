@@ -3,19 +3,22 @@
 use eframe::egui;
 use pairwave::display::Panel;
 
-use crate::app::Viewer;
+use crate::actions::{Action, Keyed};
 use crate::engine::Snapshot;
+use crate::state::State;
+use crate::style;
 
-/// Draws the line, of the selected set.
-pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+/// Draws the line, of the selected set; `timings`: with the time it took. What is asked for by its buttons.
+pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Action> {
+    let mut actions = Vec::new();
     ui.horizontal(|ui| {
-        let (sign, text) = if viewer.paused { ("▶", "Go on (Space)") } else { ("⏸", "Pause (Space)") };
-        if crate::controls::icon(ui, sign, text).clicked() {
-            viewer.pause(!viewer.paused);
+        let (sign, text) = if state.paused { ("▶", "Go on (Space)") } else { ("⏸", "Pause (Space)") };
+        if style::icon(ui, sign, text).clicked() {
+            actions.push(Action::Keyed(Keyed::Pause));
         }
-        let Some(set) = viewer.sets.get(viewer.selected) else { return };
-        let Some(snapshot) = set.snapshot.clone() else {
-            _ = ui.label(if viewer.paused { "paused" } else { "opening the device…" });
+        let Some(set) = state.selected_set() else { return };
+        let Some(snapshot) = &set.snapshot else {
+            _ = ui.label(if state.paused { "paused" } else { "opening the device…" });
             return;
         };
         let (busy, cancelled) = (!snapshot.done && snapshot.error.is_none(), set.cancelled);
@@ -25,33 +28,34 @@ pub(crate) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             } else {
                 ("⏹", "Cancel this set: what is there stays")
             };
-            if crate::controls::icon(ui, sign, text).clicked() {
-                viewer.sets[viewer.selected].cancelled = !cancelled;
+            if style::icon(ui, sign, text).clicked() {
+                actions.push(Action::Cancel(set.id, !cancelled));
             }
         }
         let Some(status) = &snapshot.status else {
             ui.label(&snapshot.device);
             return;
         };
-        let state = match (viewer.paused, cancelled) {
+        let before = match (state.paused, cancelled) {
             (_, true) => "cancelled at ",
             (true, _) if busy => "paused at ",
             _ => "",
         };
-        let progress = format!("{state}{}", status.progress());
+        let progress = format!("{before}{}", status.progress());
         let bar = egui::ProgressBar::new(status.fraction() as f32).desired_width(120.0).text(progress.as_str());
         let bar = ui.add(bar);
         bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &progress));
-        warnings(ui, &snapshot);
-        let hidden = Panel::ALL.iter().filter(|p| !viewer.is_shown(**p)).map(|p| p.name()).collect::<Vec<_>>();
+        warnings(ui, snapshot);
+        let hidden = Panel::ALL.iter().filter(|p| !state.view.is_shown(**p)).map(|p| p.name()).collect::<Vec<_>>();
         let skipped = if hidden.is_empty() { String::new() } else { format!("not computed: {}", hidden.join(", ")) };
-        let time = if viewer.timings { status.time() } else { String::new() };
+        let time = if timings { status.time() } else { String::new() };
         let parts = [&snapshot.device, &status.work(), &time, &status.spared(), &skipped];
         let line = parts.into_iter().filter(|p| !p.is_empty()).cloned().collect::<Vec<_>>().join("  ·  ");
         let seconds = |(stage, s): &(&str, f64)| format!("\n{stage}: {:.3} s", s);
         let stages: String = status.timings.iter().map(seconds).collect();
         ui.add(egui::Label::new(&line).truncate()).on_hover_text(format!("{line}{stages}"));
     });
+    actions
 }
 
 /// What is to be known of the numbers before they are believed: how many there are, and all of them when asked.

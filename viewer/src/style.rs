@@ -1,4 +1,5 @@
-//! The style of egui, with what it lacks: a font to fall back on for signs such as ⁻ and ∛, errors that are read with ease.
+//! The style of egui, with what it lacks: a font to fall back on for signs such as ⁻ and ∛, errors that are read with ease,
+//! buttons of a sign.
 
 use eframe::egui;
 
@@ -25,4 +26,11 @@ pub(crate) fn install(ctx: &egui::Context) {
             small.size = 11.0;
         }
     });
+}
+
+/// A small button that shows a sign and says in words what it does.
+pub(crate) fn icon(ui: &mut egui::Ui, sign: &str, text: &str) -> egui::Response {
+    let response = ui.small_button(sign).on_hover_text(text);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, text));
+    response
 }

@@ -66,6 +66,12 @@ pub enum Theme {
 }
 
 impl Theme {
+    /// The one that follows it, round and round.
+    pub(crate) fn next(self) -> Self {
+        let at = Self::ALL.iter().position(|theme| *theme == self).unwrap_or_default();
+        Self::ALL[(at + 1) % Self::ALL.len()]
+    }
+
     /// All of them.
     pub const ALL: [Self; 3] = [Self::System, Self::Light, Self::Dark];
 
@@ -75,6 +81,16 @@ impl Theme {
             Self::System => "as the desktop",
             Self::Light => "light",
             Self::Dark => "dark",
+        }
+    }
+}
+
+impl View {
+    /// Whether a panel is on the screen.
+    pub(crate) fn is_shown(&self, panel: Panel) -> bool {
+        match self.maximized {
+            Some(one) => one == panel,
+            None => self.panels.contains(&panel),
         }
     }
 }

@@ -1,21 +1,19 @@
 //! How things are shown: nothing here is measured anew, but for panels that were hidden.
 
 use eframe::egui;
+use pairwave::analysis::Analysis;
 use pairwave::display::{AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap};
 
 use super::{choice, row};
-use crate::app::Viewer;
 use crate::view::{Theme, View};
 
-/// Draws the controls of the looks.
-pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+/// Draws the controls of the looks; units are named for the sets of `analysis`.
+pub(super) fn show(ui: &mut egui::Ui, analysis: Option<&Analysis>, view: &mut View) {
     ui.separator();
     ui.heading("Show");
-    egui::CollapsingHeader::new("Panels").show(ui, |ui| panels(ui, &mut viewer.view));
-    let analysis = viewer.sets.get(viewer.selected).and_then(|set| set.analysis());
+    egui::CollapsingHeader::new("Panels").show(ui, |ui| panels(ui, view));
     let (dim, domain) = analysis.map_or((2, None), |a| (a.domain.dim(), Some(a.domain.clone())));
     let domain = domain.unwrap_or_else(|| pairwave::points::Domain::unit_torus(dim));
-    let view = &mut viewer.view;
     egui::CollapsingHeader::new("Curves").show(ui, |ui| {
         let of_length = |unit: LengthUnit| unit.symbol(dim);
         choice(ui, ("unit of r", "Unit of distances"), &mut view.length_unit, &LengthUnit::ALL, of_length);

@@ -2,10 +2,10 @@
 
 use eframe::egui;
 use pairwave::Setting;
-use pairwave::request::Group;
+use pairwave::request::{Group, Request};
 
-use super::setting;
-use crate::app::Viewer;
+use super::{Controls, setting};
+use crate::set::Set;
 
 /// Groups that fold, with their titles.
 pub(super) const GROUPS: [(Group, &str); 5] = [
@@ -40,11 +40,10 @@ pub(super) const TITLES: [(Setting, &str); 20] = [
     (Setting::Threads, "threads"),
 ];
 
-/// Draws the groups.
-pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+/// Draws the groups of a set; `request` is what is asked of it from now on.
+pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, request: &mut Request) {
     ui.heading("Measure");
-    let Some(set) = viewer.sets.get_mut(viewer.selected) else { return };
-    let window = set.request.input.sampler.is_none();
+    let window = request.input.sampler.is_none();
     let group_of = |setting: Setting| setting.row().map(|row| row.group);
     for (group, title) in GROUPS.iter().filter(|(group, _)| *group != Group::Tapers || window) {
         let settings = TITLES.iter().filter(|(setting, _)| group_of(*setting) == Some(*group));
@@ -54,7 +53,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
         let header = egui::CollapsingHeader::new(*title).open(blamed.then_some(true));
         header.show(ui, |ui| {
             for (one, title) in settings {
-                setting(ui, &mut viewer.controls, set, *one, title);
+                setting(ui, controls, set, request, *one, title);
             }
         });
     }

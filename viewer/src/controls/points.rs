@@ -5,9 +5,9 @@ use pairwave::Setting;
 use pairwave::request::Request;
 use pairwave::samplers::{Accepts, MAX_POINTS, Parameter, Sampler, find, registry};
 
-use super::{Controls, choice, of_sampler, refusal, row, setting};
-use crate::app::Viewer;
-use crate::set::Set;
+use super::{Controls, choice, refusal, row, setting};
+use crate::set::{Set, fitting, of_sampler};
+use crate::style;
 
 /// Settings of files.
 pub(super) const OF_FILES: [(Setting, &str); 6] = [
@@ -19,11 +19,10 @@ pub(super) const OF_FILES: [(Setting, &str); 6] = [
     (Setting::WeightColumn, "weights"),
 ];
 
-/// Draws the controls of the points.
-pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+/// Draws the controls of the points of a set; `request` is what is asked of it from now on.
+pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, request: &mut Request) {
     ui.heading("Points");
-    let Some(set) = viewer.sets.get_mut(viewer.selected) else { return };
-    let named = set.request.input.sampler.clone();
+    let named = request.input.sampler.clone();
     let mut name = named.as_deref().unwrap_or("files");
     let mut all: Vec<&str> = registry().iter().map(|s| s.name()).collect();
     if named.is_none() || !all.contains(&name) {
@@ -31,22 +30,13 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     }
     let help = find(name).map_or("Points from files", Sampler::summary);
     if choice(ui, ("sampler", help), &mut name, &all, str::to_string) && name != "files" {
-        set.request = fitting(of_sampler(&set.request, name));
+        *request = of_sampler(request, name);
     }
-    if set.request.input.sampler.is_some() {
-        sampler(ui, set);
+    if request.input.sampler.is_some() {
+        sampler(ui, set, request);
     } else {
-        files(ui, &mut viewer.controls, set);
+        files(ui, controls, set, request);
     }
-}
-
-/// The request with the number of points nearest to its own that its sampler takes.
-pub(super) fn fitting(mut request: Request) -> Request {
-    let input = &mut request.input;
-    if let Some(sampler) = input.sampler.as_deref().and_then(|name| find(name).ok()) {
-        input.points = input.points.map(|n| sampler.nearest_size(n, input.dim.unwrap_or(2)));
-    }
-    request
 }
 
 /// A whole number, dragged or typed. Whether it changed.
@@ -69,9 +59,9 @@ fn number(
     })
 }
 
-fn sampler(ui: &mut egui::Ui, set: &mut Set) {
-    let known = set.request.input.sampler.as_deref().and_then(|name| find(name).ok());
-    let input = &mut set.request.input;
+fn sampler(ui: &mut egui::Ui, set: &Set, request: &mut Request) {
+    let known = request.input.sampler.as_deref().and_then(|name| find(name).ok());
+    let input = &mut request.input;
     let mut changed = false;
     let mut n = input.points.unwrap_or(1024);
     if number(
@@ -100,7 +90,7 @@ fn sampler(ui: &mut egui::Ui, set: &mut Set) {
         self::parameter(ui, &mut input.params, parameter);
     }
     if changed {
-        set.request = fitting(set.request.clone());
+        *request = fitting(request.clone());
     }
     let blamed = set.snapshot.as_ref().and_then(|s| s.setting);
     if blamed.is_some_and(|s| s == Setting::Sampler || s.row().is_some_and(|row| row.for_samplers))
@@ -140,14 +130,14 @@ fn parameter(ui: &mut egui::Ui, params: &mut Vec<String>, parameter: &Parameter)
     }
 }
 
-fn files(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set) {
-    let input = &mut set.request.input;
+fn files(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, request: &mut Request) {
+    let input = &mut request.input;
     let mut removed = None;
     for (index, file) in input.files.iter().enumerate() {
         let path = file.display().to_string();
         ui.horizontal(|ui| {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if input.files.len() > 1 && super::icon(ui, "✖", &format!("Leave out {path}")).clicked() {
+                if input.files.len() > 1 && style::icon(ui, "✖", &format!("Leave out {path}")).clicked() {
                     removed = Some(index);
                 }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -169,6 +159,6 @@ fn files(ui: &mut egui::Ui, controls: &mut Controls, set: &mut Set) {
         }
     });
     for (name, title) in OF_FILES {
-        setting(ui, controls, set, name, title);
+        setting(ui, controls, set, request, name, title);
     }
 }

@@ -1,30 +1,29 @@
 //! The sets: up to four, one colour each.
 
 use eframe::egui;
-use pairwave::request::Request;
 
-use super::{icon, of_sampler, refusal};
-use crate::app::Viewer;
-use crate::colors;
+use super::refusal;
+use crate::actions::{Action, Keyed};
 use crate::files::Choice;
 use crate::set::MOST_SETS;
+use crate::state::State;
+use crate::style::icon;
+use crate::{colors, help};
 
 /// Draws the list of sets and what adds to it.
-pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+pub(super) fn show(ui: &mut egui::Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         ui.heading("Sets");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if icon(ui, "?", "Help: keys and gestures (F1)").clicked() {
-                viewer.help = !viewer.help;
+                actions.push(Action::Keyed(Keyed::Help));
             }
-            crate::session::menu(ui, viewer);
+            session(ui, actions);
         });
     });
     let dark = ui.visuals().dark_mode;
-    let mut removed = None;
-    for index in 0..viewer.sets.len() {
-        let alone = viewer.sets.len() == 1;
-        let set = &mut viewer.sets[index];
+    let alone = state.sets.len() == 1;
+    for (index, set) in state.sets.iter().enumerate() {
         let name = set.name();
         ui.horizontal(|ui| {
             let (sign, text) =
@@ -33,17 +32,17 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             let shown = ui.add(egui::Button::new(sign).small().frame(false)).on_hover_text(&text);
             shown.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, set.visible, &text));
             if shown.clicked() {
-                set.visible = !set.visible;
+                actions.push(Action::Show(set.id, !set.visible));
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if !alone && icon(ui, "✖", &format!("Remove {name} (Delete)")).clicked() {
-                    removed = Some(index);
+                    actions.push(Action::Remove(set.id));
                 }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    let chosen = viewer.selected == index;
+                    let chosen = state.selected == index;
                     let label = egui::Button::selectable(chosen, name.as_str()).truncate();
                     if ui.add(label).on_hover_text(set.request.command()).clicked() {
-                        viewer.selected = index;
+                        actions.push(Action::Select(set.id));
                     }
                 });
             });
@@ -52,26 +51,23 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             refusal(ui, error);
         }
     }
-    if let Some(index) = removed {
-        viewer.remove(index);
-    }
-    let full = viewer.sets.len() >= MOST_SETS;
+    let full = state.sets.len() >= MOST_SETS;
     ui.add_enabled_ui(!full, |ui| {
         ui.horizontal(|ui| {
             ui.menu_button("Add…", |ui| {
                 for sampler in pairwave::samplers::registry() {
                     if ui.button(sampler.name()).on_hover_text(sampler.summary()).clicked() {
-                        viewer.add_sampler(sampler.name());
+                        actions.push(Action::AddSampler(sampler.name()));
                     }
                 }
             })
             .response
             .on_hover_text("Another set from a sampler, measured like the one selected");
             if ui.button("Open…").on_hover_text("Point files, one batch; or drop them on the window").clicked() {
-                viewer.files.choose(Choice::Points);
+                actions.push(Action::Choose(Choice::Points));
             }
             if ui.button("Folder…").on_hover_text("All point files of a folder, one batch").clicked() {
-                viewer.files.choose(Choice::Folder);
+                actions.push(Action::Choose(Choice::Folder));
             }
         });
     })
@@ -79,11 +75,17 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     .on_disabled_hover_text(format!("There is room for {MOST_SETS} sets: remove one first"));
 }
 
-impl Viewer {
-    /// Adds a set of a sampler, measured like the one that is selected.
-    pub(crate) fn add_sampler(&mut self, name: &str) {
-        let like = self.sets.get(self.selected).map_or_else(Self::first_request, |set| set.request.clone());
-        let request: Request = of_sampler(&like, name);
-        self.add(super::points::fitting(request));
-    }
+/// The menu of sessions.
+fn session(ui: &mut egui::Ui, actions: &mut Vec<Action>) {
+    ui.menu_button("Session", |ui| {
+        for (text, does, about) in [
+            ("Save session…", Keyed::SaveSession, "Sets, view and theme, as JSON; no numbers"),
+            ("Open session…", Keyed::OpenSession, "Replaces the sets and the view"),
+        ] {
+            let button = egui::Button::new(text).shortcut_text(help::keys(ui.ctx(), does));
+            if ui.add(button).on_hover_text(about).clicked() {
+                actions.push(Action::Keyed(does));
+            }
+        }
+    });
 }

@@ -141,7 +141,7 @@ impl Curves {
         let (panel, x, y, frame, dark) = (chart.panel, chart.x, chart.y, chart.frame, ui.visuals().dark_mode);
         let (ink, weak) = (ui.visuals().strong_text_color(), ui.visuals().weak_text_color());
         let roomy = super::chart::is_roomy(ui.available_size());
-        let (kept, sets, view, hover) = (&self.kept, scene.sets, &*scene.view, &*scene.hover);
+        let (kept, sets, view, hover) = (&self.kept, scene.sets, scene.view, &*scene.hover);
         let chosen = zoomed.is(panel);
         let shown = chart.show(ui, zoomed, |plot| {
             let bounds = plot.plot_bounds();

@@ -8,21 +8,24 @@ mod points;
 use eframe::egui;
 use pairwave::display::{Panel, overlays};
 
-use crate::colors;
-use crate::export::Exports;
+use crate::actions::Action;
+use crate::export::{self, Exports};
 use crate::hover::Hover;
 use crate::set::Set;
 use crate::view::View;
+use crate::{colors, style};
 
 /// What panels draw from, and what they may change.
 pub(crate) struct Scene<'a> {
     pub(crate) sets: &'a [Set],
     /// The set whose pictures are shown.
     pub(crate) selected: usize,
-    pub(crate) view: &'a mut View,
+    pub(crate) view: &'a View,
     pub(crate) hover: &'a mut Hover,
     pub(crate) exports: &'a mut Exports,
     pub(crate) paused: bool,
+    /// What is asked for by their buttons.
+    pub(crate) actions: &'a mut Vec<Action>,
 }
 
 impl Scene<'_> {
@@ -98,12 +101,12 @@ impl Panels {
                         true => ("🗗", "Show all panels again (Escape)".to_string()),
                         false => ("🗖", format!("Fill the window with {} (double click on the title)", panel.name())),
                     };
-                    toggled |= crate::controls::icon(ui, sign, &text).clicked();
+                    toggled |= style::icon(ui, sign, &text).clicked();
                     if let Some(set) = scene.sets.get(scene.selected) {
-                        scene.exports.menu(ui, panel, set, scene.sets.len());
+                        let take = export::menu(ui, panel, set, scene.sets.len());
+                        scene.actions.extend(take.map(|take| Action::Take(panel, take)));
                     }
-                    if self.zoomed.is(panel) && crate::controls::icon(ui, "⟲", "Show all (double click, R)").clicked()
-                    {
+                    if self.zoomed.is(panel) && style::icon(ui, "⟲", "Show all (double click, R)").clicked() {
                         self.zoomed.reset(panel);
                     }
                     if let Some(place) = curves::place(panel, scene) {
@@ -113,7 +116,7 @@ impl Panels {
                     }
                 });
                 if toggled {
-                    scene.view.maximized = if full { None } else { Some(panel) };
+                    scene.actions.push(Action::Maximize(if full { None } else { Some(panel) }));
                 }
             });
             match panel {
@@ -213,7 +216,9 @@ fn planes(ui: &mut egui::Ui, scene: &mut Scene<'_>) {
         for (index, plane) in all.iter().enumerate() {
             let name: String = plane.iter().map(|axis| ["x", "y", "z"][*axis]).collect();
             let help = format!("Look at {name}");
-            ui.selectable_value(&mut scene.view.plane, index, name).on_hover_text(help);
+            if ui.selectable_label(scene.view.plane == index, name).on_hover_text(help).clicked() {
+                scene.actions.push(Action::Plane(index));
+            }
         }
     });
 }

@@ -17,9 +17,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use pairwave::display::Panel;
 use pairwave::request::{Request, Statistic};
+use pairwave_viewer::actions::Keyed;
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::{Answer, Choice, Files};
-use pairwave_viewer::help::{Action, SHORTCUTS};
+use pairwave_viewer::help::SHORTCUTS;
 use pairwave_viewer::session::{self, Session};
 use serde_json::{Value, json};
 
@@ -531,13 +532,13 @@ fn the_program_names_what_is_wrong_with_its_session() {
 }
 
 /// Presses a key of the table in a window of three sets, and says what came of it.
-fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
+fn check(action: Keyed, index: usize, modifiers: Modifiers, key: Key) {
     let (viewer, log) = viewer(request("--sampler jittered -n 16"));
     let mut window = open(viewer, 1.0);
     let mut start = special();
     start["view"]["maximized"] = Value::Null;
     start["sets"][2]["arguments"] = json!(["--sampler", "random", "-n", "16", "-k", "8", "--threads", "1"]);
-    if matches!(action, Action::Leave | Action::AllPanels) {
+    if matches!(action, Keyed::Leave | Keyed::AllPanels) {
         start["view"]["maximized"] = json!("pcf");
     }
     window.state_mut().open_session(&start.to_string()).unwrap();
@@ -554,12 +555,12 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
     assert!(!window.ctx.input(|i| i.key_pressed(key)), "{action:?} leaves its key to others");
     let mut expected = before.clone();
     match action {
-        Action::Help => {
+        Keyed::Help => {
             assert!(help(&window));
             press(&mut window, modifiers, key);
             assert!(!help(&window));
         }
-        Action::Leave => {
+        Keyed::Leave => {
             expected["view"]["maximized"] = Value::Null;
             assert_eq!(after, expected);
             // With the help open, that goes first.
@@ -569,16 +570,16 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
             assert!(!help(&window));
             (after, expected) = (state(&window), before);
         }
-        Action::Pause => {
+        Keyed::Pause => {
             assert!(window.state().is_paused());
             press(&mut window, modifiers, key);
             assert!(!window.state().is_paused());
         }
-        Action::Panel => expected["view"]["maximized"] = json!(Panel::ALL[index]),
-        Action::AllPanels => expected["view"]["maximized"] = Value::Null,
+        Keyed::Panel => expected["view"]["maximized"] = json!(Panel::ALL[index]),
+        Keyed::AllPanels => expected["view"]["maximized"] = Value::Null,
         // What it does to plots and pictures is shown where they are.
-        Action::ResetZoom => {}
-        Action::Theme => {
+        Keyed::ResetZoom => {}
+        Keyed::Theme => {
             for theme in ["system", "light", "dark"] {
                 expected["view"]["theme"] = json!(theme);
                 assert_eq!(state(&window), expected);
@@ -586,17 +587,17 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
             }
             after = expected.clone();
         }
-        Action::More => expected["sets"][1]["arguments"][5] = json!("16"),
-        Action::Fewer => expected["sets"][1]["arguments"][5] = json!("4"),
-        Action::Seed => {
+        Keyed::More => expected["sets"][1]["arguments"][5] = json!("16"),
+        Keyed::Fewer => expected["sets"][1]["arguments"][5] = json!("4"),
+        Keyed::Seed => {
             assert_ne!(argument(&after, "--seed"), argument(&before, "--seed"));
             expected["sets"][1]["arguments"] = after["sets"][1]["arguments"].clone();
         }
-        Action::Add | Action::Duplicate => {
+        Keyed::Add | Keyed::Duplicate => {
             assert_eq!(after["selected"], 3);
             let arguments = &after["sets"][3]["arguments"];
             match action {
-                Action::Duplicate => assert_eq!(*arguments, before["sets"][1]["arguments"]),
+                Keyed::Duplicate => assert_eq!(*arguments, before["sets"][1]["arguments"]),
                 _ => assert!(arguments[1] != "thomas" && arguments[1] != "random", "{arguments}"),
             }
             assert_eq!(after["sets"][3]["color"], 1, "the free one");
@@ -606,7 +607,7 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
             after["sets"].as_array_mut().unwrap().pop();
             expected["selected"] = json!(3);
         }
-        Action::Remove => {
+        Keyed::Remove => {
             expected["sets"].as_array_mut().unwrap().remove(1);
             assert_eq!(after, expected);
             press(&mut window, modifiers, key);
@@ -617,14 +618,14 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
             sets.truncate(1);
             expected["selected"] = json!(0);
         }
-        Action::Previous => expected["selected"] = json!(0),
-        Action::Next => expected["selected"] = json!(2),
-        Action::SaveSession => {
+        Keyed::Previous => expected["selected"] = json!(0),
+        Keyed::Next => expected["selected"] = json!(2),
+        Keyed::SaveSession => {
             let saved = &log.borrow().saved;
             assert_eq!(saved.keys().collect::<Vec<_>>(), ["session.json"]);
             assert_eq!(saved["session.json"], window.state().session().into_bytes());
         }
-        Action::OpenSession => {
+        Keyed::OpenSession => {
             assert_eq!(log.borrow().chosen, [Choice::Session]);
             let path = "/home/ada/session.json".into();
             log.borrow_mut().answers.push(Answer::Session { path, text: special().to_string() });
@@ -632,7 +633,7 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
             window.get_by_label("Opened /home/ada/session.json");
             (after, expected) = (state(&window), special());
         }
-        Action::CopyCommand => {
+        Keyed::CopyCommand => {
             let arguments = before["sets"][1]["arguments"].as_array().unwrap();
             let own = Request::parse(arguments.iter().map(|a| a.as_str().unwrap().to_string())).unwrap();
             let stats = vec![Statistic::Pcf, Statistic::PcfVector];
@@ -640,9 +641,9 @@ fn check(action: Action, index: usize, modifiers: Modifiers, key: Key) {
         }
     }
     assert_eq!(after, expected, "{action:?}");
-    assert_eq!(copied.is_some(), action == Action::CopyCommand);
-    assert_eq!(log.borrow().saved.is_empty(), action != Action::SaveSession);
-    assert_eq!(log.borrow().chosen.is_empty(), action != Action::OpenSession);
+    assert_eq!(copied.is_some(), action == Keyed::CopyCommand);
+    assert_eq!(log.borrow().saved.is_empty(), action != Keyed::SaveSession);
+    assert_eq!(log.borrow().chosen.is_empty(), action != Keyed::OpenSession);
 }
 
 #[test]
