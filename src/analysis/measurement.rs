@@ -391,8 +391,7 @@ impl Measurement {
         let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
         found.domain = source.domain().clone();
         found.min_points = self.sizes.values().copied().min().unwrap_or(0);
-        found.convention = request.convention;
-        found.bug_compatible = request.bug_compatible;
+        found.conventions = request.conventions();
         found.accuracy = request.accuracy;
         if let Some(process) = subject.closed_forms() {
             found.closed_form.name = process.sampler.name().to_string();

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::compute::Compute;
 use crate::error::{Error, Result, number};
-use crate::plan::{Convention, EnsembleShape};
+use crate::plan::EnsembleShape;
 use crate::points::Domain;
 use crate::request::{Lists, Request, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
 use crate::setting::Setting;
@@ -115,11 +115,12 @@ pub(super) fn check_points(pairs: bool, shape: EnsembleShape) -> Result<()> {
 
 /// Whether the program of a convention could have done what is asked for.
 pub(super) fn check_convention(request: &Request, domain: &Domain, shape: EnsembleShape) -> Result<()> {
-    request.convention.check(domain, request.bug_compatible)?;
-    if request.convention == Convention::Ours {
+    let conventions = request.conventions();
+    conventions.check(domain)?;
+    if !conventions.foreign {
         return Ok(());
     }
-    let name = request.convention.to_string();
+    let name = conventions.of.to_string();
     if (shape.max_points as f64) > shape.mean_points {
         let reason = format!(
             "needs as many points in every realization; they have {} on average and up to {}",

@@ -5,7 +5,6 @@ use super::ranges::extent;
 use super::samples::{Sample, Samples};
 use super::units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
 use crate::estimate::Analysis;
-use crate::plan::Convention;
 
 /// A place on a panel, as drawn.
 pub type Drawn = [f64; 2];
@@ -117,7 +116,7 @@ impl Panel {
                 let unit = LengthUnit::PackingDistance;
                 Some((unit.size(domain, n), unit.symbol(domain.dim())))
             }
-            Self::Radial | Self::Anisotropy if analysis.convention == Convention::Ours => {
+            Self::Radial | Self::Anisotropy if !analysis.conventions.foreign => {
                 let unit = FrequencyUnit::SqrtN;
                 Some((unit.size(domain, n), unit.symbol(domain)))
             }

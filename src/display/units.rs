@@ -3,7 +3,6 @@
 use super::words::packing_symbol;
 use super::{human, ticks};
 use crate::estimate::Analysis;
-use crate::plan::Convention;
 use crate::points::Domain;
 
 /// The unit of distances.
@@ -145,8 +144,8 @@ impl Axis {
     /// Frequencies nu of an analysis; those of another program's rings stay in its own unit.
     pub fn frequency(analysis: &Analysis, unit: FrequencyUnit, scale: AxisScale) -> Self {
         let domain = &analysis.domain;
-        if analysis.convention != Convention::Ours {
-            let own = analysis.convention.labels().split(';').next().unwrap_or_default();
+        if analysis.conventions.foreign {
+            let own = analysis.conventions.unit();
             return Self { quantity: Quantity::ForeignFrequency(own), component: None, unit: 1.0, scale };
         }
         let quantity = Quantity::Frequency { unit, dim: domain.dim(), of_unit_measure: domain.measure() == 1.0 };

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 
 use crate::accumulate::ComputedBy;
-use crate::plan::{Accuracy, Convention, Correction, EnsembleShape};
+use crate::plan::{Accuracy, Conventions, Correction, EnsembleShape};
 use crate::points::{Domain, Ensemble};
 
 /// What one statistic found. Every type will do; what else it should do is in its own file.
@@ -66,9 +66,7 @@ pub struct Analysis {
     /// Whether the grid of P itself was asked for, not only its rings.
     pub grid_wanted: bool,
     /// Whose rings and labels these are.
-    pub convention: Convention,
-    /// Whether with the defects of that program.
-    pub bug_compatible: bool,
+    pub conventions: Conventions,
     /// What theory says, where the process has a closed form.
     pub closed_form: ClosedForm,
     /// The accuracy asked for.
@@ -112,8 +110,7 @@ impl Analysis {
             min_points: shape.max_points,
             correction: Correction::None,
             grid_wanted: false,
-            convention: Convention::Ours,
-            bug_compatible: false,
+            conventions: Conventions::default(),
             closed_form: ClosedForm::default(),
             accuracy: Accuracy::default(),
             computed_by,

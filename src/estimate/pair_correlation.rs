@@ -5,7 +5,7 @@ use super::ErrorSource;
 use super::ratio::{mean_weight, ratio};
 use crate::accumulate::PairCounts;
 use crate::named::named;
-use crate::plan::PairPlan;
+use crate::plan::{Conventions, PairPlan};
 
 /// What the number of pairs is compared with: in this order in `accumulate::Ratios`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -73,12 +73,16 @@ impl PairCorrelation {
         }
     }
 
-    /// The same with PSA's labels, the left edges of the bins; with its defect also g beyond half the side, where it divides
-    /// by whole rings that the square torus does not hold.
-    pub fn as_psa(self, plan: &PairPlan, bug_compatible: bool) -> Self {
+    /// The same with the labels of other programs: of PSA the left edges of the bins, and with its defect also g beyond half
+    /// the side, where it divides by whole rings that the square torus does not hold.
+    pub fn labelled(self, plan: &PairPlan, conventions: &Conventions) -> Self {
+        if !conventions.pairs {
+            return self;
+        }
         let part = |b| plan.shell_measure(b) / plan.bins.shell_measure(b, plan.domain.dim());
         let scale = |values: Vec<f64>| values.into_iter().enumerate().map(|(b, g)| g * part(b)).collect();
-        let (g, g_se) = if bug_compatible { (scale(self.g), scale(self.g_se)) } else { (self.g, self.g_se) };
+        let (g, g_se) =
+            if conventions.bug_compatible { (scale(self.g), scale(self.g_se)) } else { (self.g, self.g_se) };
         Self { r: self.r_lo.clone(), g, g_se, ..self }
     }
 }

@@ -5,12 +5,12 @@ use super::confidence::Band;
 use super::power_spectrum::{ratio_estimate, realizations};
 use super::{ErrorSource, PowerSpectrum};
 use crate::accumulate::WavePower;
-use crate::plan::{Convention, WavePlan};
+use crate::plan::{AnisotropyRule, WavePlan};
 
 /// One ring of constant frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
-    /// Lower end, `(k - 1/2) / max L`, in cycles per unit length. (Of another program's rings: see `Convention::labels`.)
+    /// Lower end, `(k - 1/2) / max L`, in cycles per unit length. (Of another program's rings: see `Conventions::labels`.)
     pub nu_lo: f64,
     /// Label, `k / max L`.
     pub nu: f64,
@@ -85,9 +85,9 @@ impl RadialSpectrum {
                     p: p[k],
                     p_se: p_se[k],
                     band: Band::new(p[k], p_se[k], realizations, ordinates(plan, k)),
-                    anisotropy_db: match plan.convention {
-                        Convention::Utk | Convention::Pspec => None,
-                        Convention::Psa if plan.bug_compatible && !resolved => Some(0.0),
+                    anisotropy_db: match plan.conventions.anisotropy {
+                        AnisotropyRule::Absent => None,
+                        AnisotropyRule::AllModes if plan.conventions.bug_compatible && !resolved => Some(0.0),
                         _ => defined.then(|| 10.0 * (variance / (p[k] * p[k])).log10()),
                     },
                     anisotropy_db_se: defined.then(|| 10.0 / std::f64::consts::LN_10 * relative.sqrt()),
@@ -96,8 +96,10 @@ impl RadialSpectrum {
             .collect();
         Self {
             rings,
-            anisotropy_reference_db: match plan.convention {
-                Convention::Psa if plan.bug_compatible && power.realizations > 1 => -(realizations.count as f64),
+            anisotropy_reference_db: match plan.conventions.anisotropy {
+                AnisotropyRule::AllModes if plan.conventions.bug_compatible && power.realizations > 1 => {
+                    -(realizations.count as f64)
+                }
                 // 0 - 0 is 0, where -0 would be printed as such.
                 _ => 0.0 - 10.0 * averaged.log10(),
             },
@@ -130,10 +132,10 @@ fn without_dc(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum, p: &
     p_se
 }
 
-/// Members of ring k that its spread is taken over: the independent ones; PSA takes all.
+/// Members of ring k that its spread is taken over.
 fn spread_members(plan: &WavePlan, k: usize) -> f64 {
-    match plan.convention {
-        Convention::Psa => plan.rings.modes[k] as f64,
+    match plan.conventions.anisotropy {
+        AnisotropyRule::AllModes => plan.rings.modes[k] as f64,
         _ => plan.rings.independent[k] as f64,
     }
 }
@@ -142,7 +144,7 @@ fn spread_members(plan: &WavePlan, k: usize) -> f64 {
 /// they are all.
 fn spread(plan: &WavePlan, p: &[f64], mean: &[f64]) -> Vec<f64> {
     let mut spread = vec![0.0; plan.rings.count];
-    let all = plan.convention == Convention::Psa;
+    let all = plan.conventions.anisotropy == AnisotropyRule::AllModes;
     let first = plan.waves.grid().map_or(0, |grid| if all { 0 } else { grid.dc() + 1 });
     for (index, (&p, &ring)) in p.iter().zip(&plan.rings.ring_of).enumerate().skip(first) {
         if ring > 0 {

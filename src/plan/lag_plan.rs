@@ -12,10 +12,10 @@ use crate::setting::Setting;
 pub const MAX_LAG_BINS: usize = 1 << 16;
 /// Most cells of a grid of lags, 128 per axis in 3D: their sums take 150 MB.
 pub const MAX_LAG_CELLS: usize = 1 << 21;
-/// Radii of rings where none are given, in closest-packing distances.
-pub(crate) const DEFAULT_RINGS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Radii of lag rings where none are given, in closest-packing distances.
+pub(crate) const DEFAULT_LAG_RINGS: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// The fewest and the most sectors of a ring.
+/// The fewest and the most sectors of a lag ring.
 const SECTORS: [usize; 2] = [4, 36];
 
 /// `bins` half-open bins `[e_k, e_(k+1))` per axis, `e_k = H (2k - B) / B`, over lags `[-H, H)`.
@@ -33,7 +33,7 @@ impl LagGrid {
     /// The grid over all lags of the domain, or over `[-lag_max, lag_max)` on every axis.
     ///
     /// # Errors
-    /// Numbers of bins, largest lags or radii of rings that cannot be in the domain, or do not fit into memory.
+    /// Numbers of bins, largest lags or radii of lag rings that cannot be in the domain, or do not fit into memory.
     pub fn new(domain: &Domain, bins: usize, lag_max: Option<f64>) -> Result<Self> {
         let dim = domain.dim() as u32;
         let fitting = (1..=MAX_LAG_BINS).contains(&bins) && bins.checked_pow(dim).is_some_and(|c| c <= MAX_LAG_CELLS);
@@ -206,7 +206,7 @@ impl LagFilter {
     }
 }
 
-/// The part of a ring within a sector: the cells whose centres lie in it, one of each mirror pair.
+/// The part of a lag ring within a sector: the cells whose centres lie in it, one of each mirror pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LagSector {
     /// Inner radius, radius and outer radius of the ring, in length units.
@@ -228,7 +228,7 @@ pub struct LagPlan {
     pub filter: LagFilter,
     /// `Translation`: expected counts follow the set covariance of the window; `None`: they do not.
     pub correction: Correction,
-    /// Rings along which g is followed round, sector by sector; 2D only.
+    /// Lag rings, along which g is followed round, sector by sector; 2D only.
     pub sectors: Vec<LagSector>,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
@@ -237,15 +237,15 @@ pub struct LagPlan {
 }
 
 impl LagPlan {
-    /// Decides. `rings`: radii, or `None` for half, 1 and 2 closest-packing distances as far as they fit.
+    /// Decides. `lag_rings`: radii, or `None` for half, 1 and 2 closest-packing distances as far as they fit.
     ///
     /// # Errors
-    /// Numbers of bins, largest lags or radii of rings that cannot be in the domain, or do not fit into memory.
+    /// Numbers of bins, largest lags or radii of lag rings that cannot be in the domain, or do not fit into memory.
     pub fn new(
         domain: &Domain,
         grid: LagGrid,
         correction: Correction,
-        rings: Option<&[f64]>,
+        lag_rings: Option<&[f64]>,
         shape: EnsembleShape,
     ) -> Result<Self> {
         match correction {
@@ -259,7 +259,7 @@ impl LagPlan {
                 return Err(Error::setting(Setting::Correction, other, reason));
             }
         }
-        let sectors = sectors(domain, &grid, rings, shape)?;
+        let sectors = sectors(domain, &grid, lag_rings, shape)?;
         let filter = LagFilter::new(&grid, domain);
         // Points (three u64 axes twice) and a histogram, on the device and here.
         let batch = Batch::new(shape.realizations, shape.max_points * 48 + grid.cells() as u64 * 12);
@@ -290,11 +290,11 @@ impl LagPlan {
     }
 }
 
-/// The sectors of all rings, ring by ring. A ring is two cells wide (two longer sides of a cell). Sectors are centred on
+/// The sectors of all lag rings, one after another. A lag ring is two cells wide (two longer sides of a cell). Sectors are centred on
 /// multiples of pi / N, N a multiple of 4, so that the axes and the diagonals are centres and not borders.
-fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: EnsembleShape) -> Result<Vec<LagSector>> {
+fn sectors(domain: &Domain, grid: &LagGrid, lag_rings: Option<&[f64]>, shape: EnsembleShape) -> Result<Vec<LagSector>> {
     if domain.dim() != 2 {
-        return match rings {
+        return match lag_rings {
             Some(r) => {
                 let reason = format!("rings are followed round in 2D, the points have {} coordinates", domain.dim());
                 Err(Error::setting(Setting::LagRings, numbers(r.iter().copied()), reason))
@@ -305,7 +305,7 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
     let width = 2.0 * grid.width(0).max(grid.width(1));
     let (least, most) = (width / 2.0, grid.half[0].min(grid.half[1]) - width / 2.0);
     let fits = |r: f64| r > least && r <= most;
-    let radii = match rings {
+    let radii = match lag_rings {
         Some(radii) => {
             if let Some(&r) = radii.iter().find(|&&r| !fits(r)) {
                 let reason = format!(
@@ -318,7 +318,7 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
         }
         None => {
             let unit = domain.closest_packing_distance(shape.mean_points);
-            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|&r| fits(r)).collect()
+            DEFAULT_LAG_RINGS.map(|k| k * unit).into_iter().filter(|&r| fits(r)).collect()
         }
     };
     let pi = std::f64::consts::PI;
@@ -327,18 +327,18 @@ fn sectors(domain: &Domain, grid: &LagGrid, rings: Option<&[f64]>, shape: Ensemb
         // About as wide as the ring.
         let count = ((pi * r / width) as usize).clamp(SECTORS[0], SECTORS[1]) / 4 * 4;
         let step = pi / count as f64;
-        let ring = [r - width / 2.0, r, r + width / 2.0];
+        let annulus = [r - width / 2.0, r, r + width / 2.0];
         let first = all.len();
         all.extend((0..count).map(|s| {
             let theta = s as f64 * step;
-            LagSector { r: ring, theta: [theta - step / 2.0, theta, theta + step / 2.0], cells: Vec::new() }
+            LagSector { r: annulus, theta: [theta - step / 2.0, theta, theta + step / 2.0], cells: Vec::new() }
         }));
         // Of each mirror pair the one with a direction in [0, pi), which is in the second half of the list or at its middle.
         for bx in 0..grid.bins {
             for by in grid.bins / 2..grid.bins {
                 let cell = bx * grid.bins + by;
                 let (x, y) = (grid.centre(cell, 0), grid.centre(cell, 1));
-                if (y > 0.0 || x >= 0.0) && (ring[0]..ring[2]).contains(&x.hypot(y)) {
+                if (y > 0.0 || x >= 0.0) && (annulus[0]..annulus[2]).contains(&x.hypot(y)) {
                     let sector = (y.atan2(x) / step + 0.5) as usize % count;
                     all[first + sector].cells.push(cell as u32);
                 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{
-    Accuracy, Batch, Convention, EnsembleShape, MethodEstimate, RING_DIRECTIONS_RULE, Rings, Sectors, TaperPlan,
+    Accuracy, Batch, Conventions, EnsembleShape, MethodEstimate, RING_DIRECTIONS_RULE, Rings, Sectors, TaperPlan,
     WaveCosts, WaveMethod, WaveVectors,
 };
 use crate::error::{Error, Result, numbers};
@@ -22,9 +22,7 @@ pub struct WavePlan {
     /// Tapers, in a window.
     pub taper: Option<TaperPlan>,
     /// Whose rings they are.
-    pub convention: Convention,
-    /// Whether the defects of that program are wanted too.
-    pub bug_compatible: bool,
+    pub conventions: Conventions,
     /// Whether only the rings are wanted: modes in none may be left out, and their sums are 0.
     pub rings_only: bool,
     /// The promise to keep.
@@ -67,8 +65,7 @@ impl WavePlan {
             waves,
             rings,
             taper: (!domain.is_torus()).then(TaperPlan::default),
-            convention: Convention::Ours,
-            bug_compatible: false,
+            conventions: Conventions::default(),
             rings_only: false,
             accuracy,
             costs: WaveCosts::CPU,

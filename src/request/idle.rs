@@ -3,7 +3,6 @@
 use super::settings::{Row, SETTINGS, changed_by};
 use super::{PointsRequest, Request, Statistic};
 use crate::error::{Error, Result};
-use crate::plan::Convention;
 use crate::setting::Setting;
 
 use Statistic::{Radial, Spectrum};
@@ -11,7 +10,7 @@ use Statistic::{Radial, Spectrum};
 /// The statistics a setting of this request is about.
 fn statistics(row: &Row, request: &Request) -> &'static [Statistic] {
     match row.setting {
-        Setting::Convention | Setting::BugCompatible => changed_by(request.convention),
+        Setting::Convention | Setting::BugCompatible => changed_by(&request.conventions()),
         _ => row.statistics,
     }
 }
@@ -60,10 +59,11 @@ pub(crate) fn refuse_idle_settings(request: &Request) -> Result<()> {
 
 /// What the program of a convention has no way to do.
 pub(crate) fn refuse_unknown_to_convention(request: &Request) -> Result<()> {
-    if request.convention == Convention::Ours {
+    let conventions = request.conventions();
+    if !conventions.foreign {
         return Ok(());
     }
-    let changed = changed_by(request.convention);
+    let changed = changed_by(&conventions);
     let concerned = |row: &Row| row.statistics.iter().any(|s| changed.contains(s) && request.stats.contains(s));
     for row in SETTINGS.iter().filter(|row| concerned(row) && row.is_given(request)) {
         if let Some(why) = row.refused {

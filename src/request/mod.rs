@@ -13,7 +13,9 @@ use std::path::PathBuf;
 
 use crate::estimate::Normalization;
 use crate::named::named;
-use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
+use crate::plan::{
+    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, SmoothingKernel, Taper,
+};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 
@@ -317,6 +319,13 @@ pub struct Request {
     /// Threads of the CPU path
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", allow_negative_numbers = true))]
     pub threads: Option<usize>,
+}
+
+impl Request {
+    /// Everything that its convention decides.
+    pub fn conventions(&self) -> Conventions {
+        self.convention.resolve(self.bug_compatible)
+    }
 }
 
 impl Default for Request {

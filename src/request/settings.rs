@@ -3,7 +3,7 @@
 
 use super::values::Field;
 use super::{Request, Statistic};
-use crate::plan::Convention;
+use crate::plan::Conventions;
 use crate::setting::{Setting, renamed};
 
 use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
@@ -173,8 +173,8 @@ pub static SETTINGS: [Row; 44] = [
 ];
 
 /// The statistics that the program of a convention computes otherwise.
-pub(super) fn changed_by(convention: Convention) -> &'static [Statistic] {
-    if convention == Convention::Psa { &[Pcf, Spectrum, Radial] } else { WAVES }
+pub(super) fn changed_by(conventions: &Conventions) -> &'static [Statistic] {
+    if conventions.pairs { &[Pcf, Spectrum, Radial] } else { WAVES }
 }
 
 impl Row {

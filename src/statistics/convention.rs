@@ -37,11 +37,12 @@ struct ConventionOut {
 
 /// Its names of columns, and PSA's own statistics.
 fn convention(a: &Analysis) -> Option<ConventionOut> {
-    (a.convention != Convention::Ours).then(|| ConventionOut {
-        name: a.convention,
-        bug_compatible: a.bug_compatible,
-        spectrum_radial: a.convention.labels(),
-        pcf: a.convention.pair_labels(),
+    let c = a.conventions;
+    c.foreign.then(|| ConventionOut {
+        name: c.of,
+        bug_compatible: c.bug_compatible,
+        spectrum_radial: c.labels,
+        pcf: c.pair_labels,
         psa: a.psa().copied(),
     })
 }

@@ -12,7 +12,7 @@ use crate::accumulate::{ComputedBy, Decoder, Encoder, Sums};
 use crate::compute::{Compute, Pending, Session};
 use crate::error::Result;
 use crate::estimate::Analysis;
-use crate::plan::{Batch, Convention, EnsembleShape};
+use crate::plan::{Batch, EnsembleShape};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Lists, Request, Statistic};
 use crate::samplers::Process;
@@ -50,8 +50,8 @@ pub(crate) struct Subject<'a> {
 impl Subject<'_> {
     /// The process whose closed forms hold here: at the centres of our own bins and rings, on a cubic torus.
     pub(crate) fn closed_forms(&self) -> Option<&Process> {
-        let ours = self.request.convention == Convention::Ours;
-        self.process.filter(|_| ours && self.domain.is_cubic())
+        let foreign = self.request.conventions().foreign;
+        self.process.filter(|_| !foreign && self.domain.is_cubic())
     }
 }
 

@@ -11,7 +11,7 @@ use crate::accumulate::{ComputedBy, PsaCounts};
 use crate::compute::{Compute, Session};
 use crate::error::Result;
 use crate::estimate::{Analysis, PsaStatistics};
-use crate::plan::{Batch, Convention, Correction, PairPlan, RadialBins};
+use crate::plan::{Batch, Correction, PairPlan, RadialBins};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 
@@ -32,7 +32,7 @@ pub(crate) struct Psa {
 /// Plans them, where they are part of what is asked for.
 pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
     let Ask { request, domain, shape, .. } = *ask;
-    if request.convention != Convention::Psa || parts.get::<Waves>().is_none() {
+    if !request.conventions().pairs || parts.get::<Waves>().is_none() {
         return Ok(());
     }
     let bins = PsaStatistics::bins(shape.max_points);

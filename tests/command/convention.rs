@@ -49,7 +49,7 @@ fn psa_figures_are_reproduced() {
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     let convention = &summary["convention"];
     assert_eq!(convention["name"], "psa");
-    assert_eq!(convention["spectrum_radial"], Convention::Psa.labels());
+    assert_eq!(convention["spectrum_radial"], Convention::Psa.resolve(false).labels);
     assert!((convention["effective_nyquist"].as_f64().unwrap() - 0.2).abs() < 5e-4, "{convention}");
     assert!((convention["oscillation"].as_f64().unwrap() - 0.22977).abs() < 1e-4, "{convention}");
     let distance = |name: &str| summary["neighbors"][name].as_f64().unwrap();

@@ -36,7 +36,7 @@ fn psa_statistics_of_few_points() {
 fn radial(sets: &[RawPoints], f: u32, convention: Convention, bugs: bool) -> (WavePlan, PowerSpectrum, RadialSpectrum) {
     let points: Ensemble = ensemble(sets);
     let dim = sets[0].dim;
-    let plan = wave_plan(&points, &vec![f; dim], Accuracy::High).with_convention(convention, bugs).unwrap();
+    let plan = wave_plan(&points, &vec![f; dim], Accuracy::High).with_conventions(convention.resolve(bugs)).unwrap();
     let power = wait(Reference.wave_power(&plan, &points, &Control::default())).unwrap();
     let spectrum = PowerSpectrum::new(&plan, &power);
     let radial = RadialSpectrum::new(&plan, &power, &spectrum);
@@ -90,7 +90,7 @@ fn rings_are_those_counted_by_hand() {
 
 #[test]
 fn grids_are_as_wide_as_theirs() {
-    let widths = |c: Convention, n: [u64; 3]| n.map(|n| c.max_frequency(n));
+    let widths = |c: Convention, n: [u64; 3]| n.map(|n| c.resolve(false).max_frequency(n));
     assert_eq!(widths(Convention::Psa, [1024, 576, 16]), [Some(160), Some(120), Some(20)]);
     // 320, 100 and 17 frequencies per axis, made odd downwards where they are even.
     assert_eq!(widths(Convention::Utk, [1024, 100, 3]), [Some(159), Some(49), Some(8)]);

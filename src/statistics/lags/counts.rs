@@ -8,36 +8,36 @@ use crate::accumulate::{ComputedBy, Decoder, Encoder, LagCounts, Sums};
 use crate::compute::Session;
 use crate::error::{Error, Result};
 use crate::estimate::{Analysis, VectorCorrelation};
-use crate::plan::{Batch, Correction, DEFAULT_RINGS, LagGrid, LagPlan};
+use crate::plan::{Batch, Correction, DEFAULT_LAG_RINGS, LagGrid, LagPlan};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 use crate::statistics::group::{Ask, Effort, Group, Parts, Subject, digest};
 use crate::statistics::pairs::{correction, pairs_of};
 
-/// Bins per axis of the grid behind rings.
-const RING_GRID: usize = 128;
+/// Bins per axis of the grid behind lag rings.
+const LAG_RING_GRID: usize = 128;
 
 /// The plan.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lags {
     pub(crate) lags: LagPlan,
-    /// The rings, on a finer grid of their own.
-    rings: Option<LagPlan>,
+    /// The lag rings, on a finer grid of their own.
+    lag_rings: Option<LagPlan>,
 }
 
 /// The sums of both.
 #[derive(Debug, Clone)]
 pub(crate) struct LagSums {
     lags: LagCounts,
-    rings: Option<LagCounts>,
+    lag_rings: Option<LagCounts>,
 }
 
 /// Plans them, if they are wanted.
 pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
     if ask.wants(Statistic::PcfVector) {
         let lags = lags(ask)?;
-        let rings = rings(ask, &lags)?;
-        parts.add(Lags { lags, rings });
+        let lag_rings = lag_rings(ask, &lags)?;
+        parts.add(Lags { lags, lag_rings });
     }
     Ok(())
 }
@@ -50,13 +50,13 @@ fn lags(ask: &Ask<'_>) -> Result<LagPlan> {
         Correction::Isotropic | Correction::Border if ask.wants(Statistic::Pcf) => Correction::Translation,
         other => other,
     };
-    // Rings have a grid of their own.
+    // Lag rings have a grid of their own.
     LagPlan::new(domain, grid, correction, (domain.dim() == 2).then_some(&[]), shape)
 }
 
-/// The rings along which g of the vector is followed, in 2D: by default at half, 1 and 2 closest-packing distances, as far as
+/// The lag rings, along which g of the vector is followed in 2D: by default at half, 1 and 2 closest-packing distances, as far as
 /// they fit. Their cells are so small that g hardly changes within one, and the grid ends beyond the largest.
-fn rings(ask: &Ask<'_>, lags: &LagPlan) -> Result<Option<LagPlan>> {
+fn lag_rings(ask: &Ask<'_>, lags: &LagPlan) -> Result<Option<LagPlan>> {
     let (domain, shape) = (&lags.domain, lags.shape);
     let limit = domain.shortest_side() / if domain.is_torus() { 2.0 } else { 1.0 };
     let radii = match &ask.request.lag_rings {
@@ -68,7 +68,7 @@ fn rings(ask: &Ask<'_>, lags: &LagPlan) -> Result<Option<LagPlan>> {
         Some(radii) => radii.clone(),
         None => {
             let unit = domain.closest_packing_distance(shape.mean_points);
-            DEFAULT_RINGS.map(|k| k * unit).into_iter().filter(|r| 1.02 * r < limit).collect()
+            DEFAULT_LAG_RINGS.map(|k| k * unit).into_iter().filter(|r| 1.02 * r < limit).collect()
         }
     };
     let largest = radii.iter().copied().fold(0.0, f64::max);
@@ -76,7 +76,7 @@ fn rings(ask: &Ask<'_>, lags: &LagPlan) -> Result<Option<LagPlan>> {
         return Ok(None);
     }
     let half = if largest > 0.0 { (1.02 * largest).min(limit) } else { limit };
-    let grid = LagGrid::new(domain, RING_GRID, Some(half))?;
+    let grid = LagGrid::new(domain, LAG_RING_GRID, Some(half))?;
     LagPlan::new(domain, grid, lags.correction, Some(&radii), shape).map(Some)
 }
 
@@ -100,32 +100,32 @@ impl Group for Lags {
                 "sectors": digest(sectors),
             })
         };
-        json!({ "lags": of(&self.lags), "rings": self.rings.as_ref().map(of) })
+        json!({ "lags": of(&self.lags), "rings": self.lag_rings.as_ref().map(of) })
     }
 
     fn batch(&self) -> Batch {
-        let all = [Some(self.lags.batch), self.rings.as_ref().map(|rings| rings.batch)];
+        let all = [Some(self.lags.batch), self.lag_rings.as_ref().map(|plan| plan.batch)];
         all.into_iter().flatten().min_by_key(|batch| batch.realizations).unwrap_or(self.lags.batch)
     }
 
     fn none(&self, by: ComputedBy) -> LagSums {
-        let rings = self.rings.as_ref().map(|rings| LagCounts::new(by.clone(), rings));
-        LagSums { lags: LagCounts::new(by, &self.lags), rings }
+        let lag_rings = self.lag_rings.as_ref().map(|plan| LagCounts::new(by.clone(), plan));
+        LagSums { lags: LagCounts::new(by, &self.lags), lag_rings }
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<LagSums> {
         let lags = session.lag_counts(&self.lags, batch).await?;
-        let rings = match &self.rings {
-            Some(rings) => Some(session.lag_counts(rings, batch).await?),
+        let lag_rings = match &self.lag_rings {
+            Some(lag_rings) => Some(session.lag_counts(lag_rings, batch).await?),
             None => None,
         };
-        Ok(LagSums { lags, rings })
+        Ok(LagSums { lags, lag_rings })
     }
 
     fn estimate(&self, sums: &LagSums, subject: &Subject<'_>, found: &mut Analysis) {
         let of = |plan, sums| VectorCorrelation::new(plan, sums, subject.request.normalization);
-        let rings = self.rings.as_ref().zip(sums.rings.as_ref()).map(|(plan, sums)| of(plan, sums).sectors);
-        let sectors = rings.unwrap_or_default();
+        let lag_rings = self.lag_rings.as_ref().zip(sums.lag_rings.as_ref()).map(|(plan, sums)| of(plan, sums).sectors);
+        let sectors = lag_rings.unwrap_or_default();
         found.findings.insert(VectorCorrelation { sectors, ..of(&self.lags, &sums.lags) });
     }
 
@@ -142,8 +142,8 @@ impl Group for Lags {
 impl Sums for LagSums {
     fn merge(&mut self, other: Self) -> Result<()> {
         self.lags.merge(&other.lags)?;
-        match (&mut self.rings, &other.rings) {
-            (Some(rings), Some(other)) => rings.merge(other),
+        match (&mut self.lag_rings, &other.lag_rings) {
+            (Some(lag_rings), Some(other)) => lag_rings.merge(other),
             (None, None) => Ok(()),
             _ => Err(Error::input("lag counts", "one part has rings, the other has none")),
         }
@@ -154,25 +154,25 @@ impl Sums for LagSums {
     }
 
     fn encode(&self, out: &mut Encoder) {
-        out.value("rings", self.rings.is_some());
+        out.value("rings", self.lag_rings.is_some());
         out.within("lags", |out| self.lags.encode(out));
-        if let Some(rings) = &self.rings {
-            out.within("rings", |out| rings.encode(out));
+        if let Some(lag_rings) = &self.lag_rings {
+            out.within("rings", |out| lag_rings.encode(out));
         }
     }
 
     fn decode(from: &mut Decoder<'_>) -> Result<Self> {
-        let rings: bool = from.read("rings")?;
+        let lag_rings: bool = from.read("rings")?;
         let lags = from.within("lags", LagCounts::decode)?;
-        Ok(Self { lags, rings: rings.then(|| from.within("rings", LagCounts::decode)).transpose()? })
+        Ok(Self { lags, lag_rings: lag_rings.then(|| from.within("rings", LagCounts::decode)).transpose()? })
     }
 }
 
 impl fmt::Display for Lags {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.lags.fmt(f)?;
-        match &self.rings {
-            Some(rings) => write!(f, "along rings: {rings}"),
+        match &self.lag_rings {
+            Some(lag_rings) => write!(f, "along rings: {lag_rings}"),
             None => Ok(()),
         }
     }

@@ -9,7 +9,7 @@ use crate::accumulate::{ComputedBy, Decoder, Encoder, PairCounts, PairHistogram,
 use crate::compute::{Compute, Session};
 use crate::error::{Error, Result, number};
 use crate::estimate::{Analysis, KFunction, Normalization, PairCorrelation};
-use crate::plan::{Batch, BinScale, Convention, Correction, PairPlan, PairSettings, RadialBins};
+use crate::plan::{Batch, BinScale, Correction, PairPlan, PairSettings, RadialBins};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Request, Statistic};
 use crate::setting::Setting;
@@ -48,7 +48,7 @@ pub(super) fn settings(ask: &Ask<'_>) -> Result<PairSettings> {
     Ok(PairSettings {
         correction: correction(request, domain),
         cumulative: ask.wants(Statistic::KFunction),
-        beyond_half: request.beyond_half || request.convention.pair_bins(ask.shape.max_points).is_some(),
+        beyond_half: request.beyond_half || request.conventions().pair_bins(ask.shape.max_points).is_some(),
         masses: request.input.weight_column.is_some(),
     })
 }
@@ -75,7 +75,7 @@ impl Pairs {
 /// The bins a request asks for.
 pub(super) fn bins(ask: &Ask<'_>) -> Result<RadialBins> {
     let Ask { request, domain, shape, .. } = *ask;
-    if let Some((bins, width)) = request.convention.pair_bins(shape.mean_points as u64) {
+    if let Some((bins, width)) = request.conventions().pair_bins(shape.mean_points as u64) {
         let width = width * domain.shortest_side();
         if bins == 0 {
             let reason = "has n/8 bins of g, so that it needs at least 8 points";
@@ -175,10 +175,7 @@ impl Group for Pairs {
         found.correction = self.plan.correction;
         if self.pcf {
             let g = PairCorrelation::new(&self.plan, sums, request.normalization);
-            let g = match request.convention {
-                Convention::Psa => g.as_psa(&self.plan, request.bug_compatible),
-                _ => g,
-            };
+            let g = g.labelled(&self.plan, &request.conventions());
             found.closed_form.g = closed_form(subject, &g);
             found.findings.insert(g);
         }

@@ -3,7 +3,6 @@
 use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, VERMILION, band_runs, runs};
 use crate::display::{FrequencyUnit, Panel, about_one, defined_anisotropy, error_note, human, size, top_of};
 use crate::estimate::{Analysis, AxisMode, Band, SectorPower};
-use crate::plan::Convention;
 use crate::statistics::layers::{closed_form, cut, half_turn};
 
 /// Below this many realizations the band of a single mode fills the frame and is left to the file.
@@ -57,11 +56,9 @@ pub(super) const DEFINITION: &str = "<i>P</i>(<b>m</b>) = ∑<sub><i>k</i></sub>
 
 /// What the picture of the radial mean shows.
 pub(super) fn radial_caption(a: &Analysis, _: &str) -> Option<String> {
-    let rings = match a.convention {
-        Convention::Ours => {
-            "the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency left out".into()
-        }
-        other => format!("the rings of {other} (<i>ν</i> in {})", other.labels()),
+    let rings = match a.conventions.foreign {
+        false => "the modes with |<b>m</b>/<i>L</i>| in rings around <i>ν</i>, zero frequency left out".into(),
+        true => format!("the rings of {} (<i>ν</i> in {})", a.conventions.of, a.conventions.labels),
     };
     Some(format!(
         "{DEFINITION}, averaged over {rings}; 1 is the level of independent points. The wider band holds the \
@@ -232,16 +229,16 @@ pub(super) fn angular_caption(_: &Analysis, _: &str) -> Option<String> {
 
 /// What ν is, by whose convention.
 fn frequency_label(analysis: &Analysis) -> String {
-    let unit = analysis.convention.labels().split(';').next().unwrap_or_default();
-    match analysis.convention {
-        Convention::Ours => format!("frequency ν ({unit})"),
-        other => format!("frequency ν ({unit}; rings of {other})"),
+    let unit = analysis.conventions.unit();
+    match analysis.conventions.foreign {
+        false => format!("frequency ν ({unit})"),
+        true => format!("frequency ν ({unit}; rings of {})", analysis.conventions.of),
     }
 }
 
 /// The frequency of one cycle per mean spacing, `lambda^(1/d)`, if it lies in the frame.
 fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
-    if analysis.convention != Convention::Ours {
+    if analysis.conventions.foreign {
         return None;
     }
     let unit = FrequencyUnit::SqrtN;

@@ -121,7 +121,7 @@ impl Room for Here {
 /// The whole grid, index `m + F`, x axis first, from stored values (`p` or `p_se`). Even conventions lack the last plane along
 /// each axis.
 fn grid<'a>(a: &Analysis, grid: &'a WaveGrid, half: &'a [f64]) -> Array<'a> {
-    let lacks_last = a.convention.lacks_last_plane();
+    let lacks_last = a.conventions.lacks_last_plane;
     let full = grid.full_shape();
     let shape = full.iter().map(|&n| n as u64 - u64::from(lacks_last)).collect();
     let is_last = move |index: usize| {

@@ -10,8 +10,7 @@ use crate::compute::{Compute, Session};
 use crate::error::{Error, Result, numbers};
 use crate::estimate::{Analysis, PowerSpectrum, RadialSpectrum, SpectrumDetails};
 use crate::plan::{
-    Batch, Convention, DEFAULT_SECTORS, Debias, MAX_FREQUENCY, Taper, TaperPlan, WaveGrid, WaveList, WavePlan,
-    WaveVectors,
+    Batch, DEFAULT_SECTORS, Debias, MAX_FREQUENCY, Taper, TaperPlan, WaveGrid, WaveList, WavePlan, WaveVectors,
 };
 use crate::points::{Domain, Ensemble};
 use crate::request::{Group as Settings, Request, SETTINGS, Statistic};
@@ -43,7 +42,7 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
 /// The wave vectors a request asks for, with tapers, rings and sectors.
 fn waves(ask: &Ask<'_>) -> Result<WavePlan> {
     let Ask { request, domain, shape, .. } = *ask;
-    let frequencies = match (request.max_frequency.as_deref(), request.convention.max_frequency(shape.max_points)) {
+    let frequencies = match (request.max_frequency.as_deref(), request.conventions().max_frequency(shape.max_points)) {
         (Some([f]), _) => vec![*f; domain.dim()],
         (Some(each), _) => each.to_vec(),
         (None, Some(f)) => vec![f; domain.dim()],
@@ -56,11 +55,11 @@ fn waves(ask: &Ask<'_>) -> Result<WavePlan> {
         (None, _) => WaveVectors::from(WaveGrid::new(&frequencies)?),
     };
     // Directions of what is not 2D are refused, in their own words; rings of others have none.
-    let all_directions = domain.dim() == 2 && waves.grid().is_some() && request.convention == Convention::Ours;
+    let all_directions = domain.dim() == 2 && waves.grid().is_some() && !request.conventions().foreign;
     let sectors = request.sectors.or(all_directions.then_some(DEFAULT_SECTORS));
     let plan = WavePlan::new(domain, waves, request.accuracy, shape)?
         .with_taper(taper(request, domain)?)
-        .with_convention(request.convention, request.bug_compatible)?;
+        .with_conventions(request.conventions())?;
     match sectors {
         Some(count) => plan.with_sectors(count),
         None => Ok(plan),
@@ -99,7 +98,7 @@ impl Group for Waves {
         };
         json!({
             "waves": waves,
-            "convention": [plan.convention.to_string(), plan.bug_compatible.to_string()],
+            "convention": [plan.conventions.of.to_string(), plan.conventions.bug_compatible.to_string()],
             "sectors": plan.rings.sectors.count,
             "taper": plan.taper.map(|t| json!({ "taper": t.taper.to_string(), "orders": t.orders, "debias": t.debias.to_string() })),
             "rings_only": plan.rings_only,
@@ -129,7 +128,7 @@ impl Group for Waves {
         let spectrum = PowerSpectrum::new(plan, sums);
         if request.frequencies.is_none() {
             let radial = RadialSpectrum::new(plan, sums, &spectrum);
-            if request.convention == Convention::Ours {
+            if !plan.conventions.foreign {
                 // Lag counts take every point alike.
                 let vector = found.vector().filter(|_| request.input.weight_column.is_none());
                 let details = SpectrumDetails::new(plan, sums, &spectrum, &radial, found.pair_correlation(), vector);
@@ -144,7 +143,7 @@ impl Group for Waves {
     fn warnings(&self, _: &WavePower, subject: &Subject<'_>, _: &Parts, _: &Analysis) -> Vec<String> {
         let (plan, request) = (&self.plan, subject.request);
         let mut warnings = Vec::new();
-        let default_grid = request.max_frequency.is_none() && request.convention == Convention::Ours;
+        let default_grid = request.max_frequency.is_none() && !request.conventions().foreign;
         if let Some(grid) = plan.waves.grid().filter(|_| default_grid) {
             let reach = grid.max_frequency()[0];
             let wanted = 5.0 * subject.shape.mean_points.powf(1.0 / grid.dim() as f64);
