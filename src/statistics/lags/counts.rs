@@ -54,8 +54,8 @@ fn lags(ask: &Ask<'_>) -> Result<LagPlan> {
     LagPlan::new(domain, grid, correction, (domain.dim() == 2).then_some(&[]), shape)
 }
 
-/// The lag rings, along which g of the vector is followed in 2D: by default at half, 1 and 2 closest-packing distances, as far as
-/// they fit. Their cells are so small that g hardly changes within one, and the grid ends beyond the largest.
+/// The lag rings, along which g of the vector is followed in 2D: by default at half, 1 and 2 closest-packing distances, as
+/// far as they fit. Their cells are so small that g hardly changes within one, and the grid ends beyond the largest.
 fn lag_rings(ask: &Ask<'_>, lags: &LagPlan) -> Result<Option<LagPlan>> {
     let (domain, shape) = (&lags.domain, lags.shape);
     let limit = domain.shortest_side() / if domain.is_torus() { 2.0 } else { 1.0 };
