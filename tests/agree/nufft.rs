@@ -306,9 +306,9 @@ fn jittered_lattices_keep_their_smallest_powers() {
 }
 
 #[test]
-fn threads_and_scratch_do_not_change_a_bit() {
+fn threads_memory_and_scratch_do_not_change_a_bit() {
     let mut scratch = Scratch::default();
-    for (f, n) in [(&[30_000][..], 100_000), (&[150, 170], 70_000), (&[20, 33, 25], 40_000)] {
+    for (f, n) in [(&[30_000][..], 100_000), (&[90, 170], 70_000), (&[10, 33, 25], 40_000)] {
         let grid = grid(f);
         for weighted in [false, true] {
             let case = Case::uniform(f.len(), n, 12);
@@ -318,6 +318,13 @@ fn threads_and_scratch_do_not_change_a_bit() {
             for threads in [1, 2, 3, 7] {
                 let pool = pairwave::Pool::new(Some(threads)).unwrap();
                 assert_eq!(one, case.amplitudes_by(&nufft, &grid, Some(&pool)), "{f:?} on {threads} threads");
+            }
+            // In bands and in blocks of frequencies, down to one of each at a time.
+            for memory in [0, 1 << 21] {
+                let nufft = Nufft::new(&grid, 1e-7, n as f64, SimdLevel::detect()).unwrap().within(memory);
+                for pool in [None, Some(&pairwave::Pool::new(Some(3)).unwrap())] {
+                    assert_eq!(one, case.amplitudes_by(&nufft, &grid, pool), "{f:?} within {memory} bytes");
+                }
             }
             // What another plan and other points left behind.
             let mut out = vec![Complex::default(); grid.half_len()];

@@ -32,12 +32,13 @@ use crate::pool::Pool;
 pub struct Nufft {
     grid: WaveGrid,
     transform: Transform,
+    /// Bytes that a transform may take.
+    memory: u64,
 }
 
 /// What one transform at a time needs beside its result; grows as asked, and is kept for the next one.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    cells: Vec<f64>,
     columns: Vec<Complex<f64>>,
     sorted: Sorted,
     workers: Vec<Worker>,
@@ -53,15 +54,24 @@ impl Nufft {
         // Polynomials err little next to aliasing, even where their error is lifted most.
         let kernel = |a: usize| SpreadingKernel::new(sizes.width, sizes.sigma(a), 0.02 * tolerance);
         let axes = (0..sizes.axes.len()).map(|a| (sizes.axes[a], sizes.cells[a], kernel(a))).collect();
-        Ok(Self { grid: *grid, transform: Transform::new(FineGrid::new(axes, level), &sizes.largest) })
+        Ok(Self {
+            grid: *grid,
+            transform: Transform::new(FineGrid::new(axes, level), &sizes.largest),
+            memory: u64::MAX,
+        })
+    }
+
+    /// The same within about `memory` bytes, results and sorted points apart: by bands of the fine grid, and where even that
+    /// takes more, by blocks of frequencies, for each of which points are spread again. The same bits come out.
+    #[must_use]
+    pub fn within(self, memory: u64) -> Self {
+        Self { memory, ..self }
     }
 
     /// Bytes of a `Scratch` for `n` points on `threads` threads.
     pub fn bytes(&self, n: usize, weighted: bool, threads: usize) -> u64 {
-        let fine = self.transform.grid();
-        let columns = self.transform.columns(fine.axes.len() - 1) * size_of::<Complex<f64>>();
-        let workers = threads as u64 * self.transform.worker_bytes();
-        (fine.stored() * 8 + columns) as u64 + fine.sorted_bytes(n, weighted) + workers
+        let cut = self.transform.cut(threads, self.memory);
+        self.transform.bytes(cut, threads) + self.transform.grid().sorted_bytes(n, weighted)
     }
 
     /// `s_m = sum_j w_j exp(-2 pi i m.x_j)` of every stored mode, in the order of `WaveGrid`. DC is the sum of the weights.
@@ -104,15 +114,12 @@ impl Nufft {
         finish: impl Fn(Complex<f64>) -> T + Sync,
         out: &mut [T],
     ) -> Result<()> {
-        let fine = self.transform.grid();
         let threads = pool.map_or(1, Pool::threads);
-        scratch.cells.resize(fine.stored(), 0.0);
-        scratch.columns.resize(self.transform.columns(fine.axes.len() - 1), Complex::default());
-        scratch.workers.resize_with(threads.max(scratch.workers.len()), Worker::default);
-        scratch.workers.iter_mut().for_each(|worker| self.transform.prepare(worker));
-        fine.spread(points, &mut scratch.sorted, &mut scratch.cells, pool, control)?;
-        let Scratch { cells, columns, workers, .. } = scratch;
-        self.transform.run((cells, columns, workers), pool, control, finish, out)
+        let Scratch { columns, sorted, workers } = scratch;
+        workers.resize_with(threads.max(workers.len()), Worker::default);
+        self.transform.grid().sort(points, sorted, pool, control)?;
+        let cut = self.transform.cut(threads, self.memory);
+        self.transform.run(sorted, (columns, workers), (cut, pool), control, finish, out)
     }
 }
 

@@ -3,8 +3,8 @@
 //! - The grid is padded: cell `c` of an axis is stored at `c + (w - 1) / 2`, so that the first cell a point reaches is stored at
 //!   the point's own (rounded) position, and nothing wraps until `fold`.
 //! - Nonuniform are sorted by tiles of cells, so that those in a row meet the same part of the cache.
-//! - Tiles are cut from bands of the last axis. A kernel reaches from its band into the next one at most, so the even bands
-//!   can be done at once, then the odd ones, and every cell gets its terms in the same order on any number of threads.
+//! - Tiles are cut from bands of the last axis. A kernel reaches from its band into the next one at most, so that a few bands
+//!   can be done by themselves: the fine grid is never there as a whole.
 
 use std::ops::Range;
 
@@ -96,11 +96,6 @@ impl FineGrid {
         self.axes[..a].iter().map(|axis| axis.stored).product()
     }
 
-    /// Cells as stored.
-    pub(super) fn stored(&self) -> usize {
-        self.step(self.axes.len())
-    }
-
     fn tiles(&self) -> usize {
         self.axes.iter().map(Axis::tiles).product()
     }
@@ -111,58 +106,100 @@ impl FineGrid {
         (n * per_point + n.div_ceil(CHUNK) * 4 * (self.tiles() + 1)) as u64
     }
 
-    /// Adds `w_j phi(x - x_j)` over all points to every cell, which it sets to 0 before.
-    pub(super) fn spread(
+    /// Sorts points by tiles.
+    pub(super) fn sort(
         &self,
         points: &Nonuniform<'_>,
         sorted: &mut Sorted,
-        cells: &mut [f64],
         pool: Option<&Pool>,
         control: &Control,
     ) -> Result<()> {
         let n = points.axes[0].len();
+        sorted.weighted = points.weights.is_some();
         sorted.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
         let mut workers = vec![(); pool.map_or(1, Pool::threads)];
         share(pool, &mut workers, sorted.chunks.iter_mut().enumerate(), |_, (c, chunk)| {
             control.check()?;
             chunk.sort(self, points, c * CHUNK..n.min((c + 1) * CHUNK));
             Ok(())
-        })?;
-        let Some((last, others)) = self.axes.split_last() else { return Ok(()) };
-        let (band, step) = (1 << last.tile_shift, self.step(others.len()));
-        let tiles = others.iter().map(Axis::tiles).product::<usize>();
+        })
+    }
+
+    /// Bands of the last axis.
+    pub(super) fn bands(&self) -> usize {
+        self.axes.last().map_or(0, Axis::tiles)
+    }
+
+    /// Steps of the last axis in a band.
+    pub(super) fn band(&self) -> usize {
+        self.axes.last().map_or(1, |axis| 1 << axis.tile_shift)
+    }
+
+    /// The steps of the last axis, as stored, that begin in these bands; after the last band there are no others.
+    pub(super) fn steps(&self, bands: &Range<usize>) -> Range<usize> {
+        let stored = self.axes.last().map_or(0, |axis| axis.stored);
+        let end = if bands.end == self.bands() { stored } else { bands.end * self.band() };
+        bands.start * self.band()..end.min(stored)
+    }
+
+    /// `sum_j w_j phi(x - x_j)` at every cell of `steps(&bands)`. `cells` are room to work in: a kernel reaches from its band
+    /// into the next one, so that the one before is done too, and what reaches beyond is dropped. Every cell gets its terms
+    /// in the same order, those of even bands first, on any number of threads and however the grid is cut.
+    pub(super) fn spread<'a>(
+        &self,
+        bands: Range<usize>,
+        sorted: &Sorted,
+        cells: &'a mut Vec<f64>,
+        pool: Option<&Pool>,
+        control: &Control,
+    ) -> Result<&'a mut [f64]> {
+        let (band, step) = (self.band(), self.step(self.axes.len() - 1));
+        let tiles = self.axes[..self.axes.len() - 1].iter().map(Axis::tiles).product::<usize>();
+        let before = bands.start.saturating_sub(1);
+        let first = before * band;
+        let end = self.steps(&(before..(bands.end + 1).min(self.bands()))).end;
+        cells.clear();
+        cells.resize((end - first) * step, 0.0);
+        let mut workers = vec![(); pool.map_or(1, Pool::threads)];
         for parity in 0..2 {
-            let first = (parity * band * step).min(cells.len());
-            share(pool, &mut workers, cells[first..].chunks_mut(2 * band * step).enumerate(), |_, (pair, cells)| {
+            let from = before + (before + parity) % 2;
+            let at = ((from - before) * band * step).min(cells.len());
+            let tasks = cells[at..].chunks_mut(2 * band * step).zip((from..bands.end).step_by(2));
+            share(pool, &mut workers, tasks, |_, (cells, index)| {
                 control.check()?;
-                let index = 2 * pair + parity;
-                if parity == 0 {
-                    cells.fill(0.0);
-                }
-                if index < last.tiles() {
-                    let tiles = index * tiles..(index + 1) * tiles;
-                    let band = Band { grid: self, chunks: &sorted.chunks, tiles, first: index * band, cells };
-                    simd::spread(self.level, band, points.weights.is_some());
-                }
+                let tiles = index * tiles..(index + 1) * tiles;
+                let band = Band { grid: self, chunks: &sorted.chunks, tiles, first: index * band, cells };
+                simd::spread(self.level, band, sorted.weighted);
                 Ok(())
             })?;
         }
-        Ok(())
+        let steps = self.steps(&bands);
+        Ok(&mut cells[(steps.start - first) * step..(steps.end - first) * step])
+    }
+
+    /// The pads of axis `a`: the step of each, as stored, and that of the cell it stands for.
+    pub(super) fn pads(&self, a: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let axis = &self.axes[a];
+        let (first, cells, stored) = (axis.pad(), axis.cells, axis.stored);
+        (0..first).chain(first + cells..stored).map(move |at| (at, first + (at + cells * stored - first) % cells))
     }
 
     /// Adds the pads of axis `a` to the cells they stand for. `cells` are all steps along the axis.
     pub(super) fn fold(&self, a: usize, cells: &mut [f64]) {
-        let (axis, step) = (&self.axes[a], self.step(a));
-        let first = axis.pad();
-        for at in (0..first).chain(first + axis.cells..axis.stored) {
-            let to = first + (at + axis.cells * axis.stored - first) % axis.cells;
+        let step = self.step(a);
+        for (at, to) in self.pads(a) {
             let (low, high) = cells.split_at_mut(at.max(to) * step);
             let (low, high) = (&mut low[at.min(to) * step..][..step], &mut high[..step]);
             let (to, from) = if to < at { (low, high) } else { (high, low) };
-            for (to, from) in to.iter_mut().zip(from) {
-                *to += *from;
-            }
+            add_all(to, from);
         }
+    }
+}
+
+/// `to += from`
+pub(super) fn add_all(to: &mut [f64], from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to += *from;
     }
 }
 
@@ -179,6 +216,7 @@ pub struct Nonuniform<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Sorted {
     chunks: Vec<Chunk>,
+    weighted: bool,
 }
 
 #[derive(Debug, Default)]
