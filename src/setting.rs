@@ -115,6 +115,8 @@ settings! {
     Accuracy = "accuracy",
     /// Number of threads.
     Threads = "threads",
+    /// Memory of transforms and sums.
+    Memory = "memory",
     /// Where results go; no part of a request.
     Out = "out",
     /// Whether results that are there are replaced; no part of a request.

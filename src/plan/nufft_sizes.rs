@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::WaveGrid;
 use crate::error::{Error, Result, number};
+use crate::memory::Memory;
 use crate::setting::Setting;
 
 /// Widest kernel, in cells: two vectors of eight f64.
@@ -97,9 +98,22 @@ impl NufftSizes {
         self.cells[a] as f64 / (2 * self.largest[a]) as f64
     }
 
-    /// Bytes of a transform, mainly of the fine grid and of what is left of it after its first axis.
-    pub fn bytes(&self) -> f64 {
-        16.0 * self.fine_cells()
+    /// Frequencies of the first axis that are done at a time, so that what is left of the fine grid before its last axis takes
+    /// no more than half of the memory: as many in every block, but for the last one, and at least one.
+    pub fn frequencies(&self, memory: Memory) -> usize {
+        let kept = self.largest[0] + 1;
+        let Some((last, others)) = self.cells.split_last().filter(|(_, others)| !others.is_empty()) else {
+            return kept;
+        };
+        let between: usize = self.largest[1..others.len()].iter().map(|f| 2 * f + 1).product();
+        let bytes = (16 * last * between) as u64;
+        let most = (memory.0 / 2 / bytes.max(1)).clamp(1, kept as u64) as usize;
+        kept.div_ceil(kept.div_ceil(most))
+    }
+
+    /// How many blocks those are: the points are spread again for each.
+    pub fn blocks(&self, memory: Memory) -> usize {
+        (self.largest[0] + 1).div_ceil(self.frequencies(memory))
     }
 
     /// Cells of the fine grid.

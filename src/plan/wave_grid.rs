@@ -1,6 +1,7 @@
 //! The integer frequency grid, and how half of it stands for all.
 
 use crate::error::{Error, Result};
+use crate::memory::Memory;
 use crate::points::Domain;
 use crate::setting::Setting;
 
@@ -23,8 +24,8 @@ const BYTES_PER_MODE: u128 = 32;
 /// Larger grids are refused: they would take more than about 16 GiB.
 const MAX_MODES: u128 = 1 << 29;
 
-/// The default grid never has more modes than this (about 2 GiB).
-const MAX_DEFAULT_MODES: f64 = 67_108_864.0;
+/// The default grid never has more modes than this (about 2 GiB), nor more than the memory holds.
+const MAX_DEFAULT_MODES: u64 = 1 << 26;
 
 impl WaveGrid {
     /// The grid with the given largest frequency per axis (`max_frequency.len()` axes).
@@ -54,12 +55,13 @@ impl WaveGrid {
 
     /// The default grid, `F = ceil(5 n^(1/d))` on a cube; on unequal sides `F_k` grows with the side so that the
     /// largest frequency per unit length is the same on every axis. Where that would be more than `MAX_DEFAULT_MODES`
-    /// modes, n counts as what reaches just that many.
-    pub fn default_max_frequency(n: f64, domain: &Domain) -> Vec<u32> {
+    /// modes, or more than `memory` holds, n counts as what reaches just that many.
+    pub fn default_max_frequency(n: f64, domain: &Domain, memory: Memory) -> Vec<u32> {
         let d = domain.dim() as f64;
         let mean_side = domain.measure().powf(1.0 / d);
         // About 10^d modes per point.
-        let n = n.min(MAX_DEFAULT_MODES / 10f64.powf(d));
+        let most = MAX_DEFAULT_MODES.min(memory.0 / BYTES_PER_MODE as u64);
+        let n = n.min(most as f64 / 10f64.powf(d));
         let f = |&side: &f64| {
             let exact = 5.0 * n.powf(1.0 / d) * side / mean_side;
             // An exact integer must not be lifted by the rounding of the root.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Accuracy, MEMORY_BUDGET, NufftCosts, NufftSizes, WaveGrid, WaveVectors};
+use super::{Accuracy, NufftCosts, NufftSizes, WaveGrid, WaveVectors};
 
 /// How `s_m` is summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
@@ -83,7 +83,7 @@ impl WaveMethod {
     /// All there are.
     pub const ALL: [Self; 3] = [Self::DirectF32, Self::DirectF64, Self::Nufft];
 
-    /// The methods that keep the promise, and that fit into memory, with estimates for a realization of `n` points. `share`
+    /// The methods that keep the promise, with estimates for a realization of `n` points. `share`
     /// is the part of a grid's modes that is needed.
     pub fn alternatives(
         waves: &WaveVectors,
@@ -114,9 +114,6 @@ impl WaveMethod {
                 let costs = costs.nufft.ok_or("is for the CPU alone")?;
                 let sizes = NufftSizes::new(grid, accuracy.nufft_tolerance(), Self::about(n))
                     .map_err(|_| "has no kernel wide enough")?;
-                if sizes.bytes() > MEMORY_BUDGET as f64 {
-                    return Err("does not fit into memory");
-                }
                 costs.nanoseconds(&sizes, n)
             }
         };
@@ -177,7 +174,6 @@ mod tests {
         assert!(WaveMethod::ALL.iter().all(|&method| why(method, &grid(64), fast, &cpu).is_none()));
         assert_eq!(why(WaveMethod::DirectF32, &grid(64), high, &cpu), Some("does not keep the promise"));
         assert_eq!(why(WaveMethod::Nufft, &grid(64), fast, &WaveCosts::GPU), Some("is for the CPU alone"));
-        assert_eq!(why(WaveMethod::Nufft, &grid(11_000), high, &cpu), Some("does not fit into memory"));
         let list = WaveList { dim: 2, vectors: vec![[1.0, 2.0, 0.0]], mirrored: false }.into();
         for method in [WaveMethod::DirectF32, WaveMethod::Nufft] {
             assert_eq!(why(method, &list, fast, &cpu), Some("is for grids, not for lists of wave vectors"));

@@ -3,10 +3,11 @@
 use std::fmt;
 
 use super::{
-    Accuracy, Batch, Conventions, EnsembleShape, MethodEstimate, RING_DIRECTIONS_RULE, Rings, Sectors, TaperPlan,
-    WaveCosts, WaveMethod, WaveVectors,
+    Accuracy, Batch, Conventions, EnsembleShape, MEMORY_BUDGET, MethodEstimate, NufftSizes, RING_DIRECTIONS_RULE,
+    Rings, Sectors, TaperPlan, WaveCosts, WaveMethod, WaveVectors,
 };
 use crate::error::{Error, Result, numbers};
+use crate::memory::Memory;
 use crate::points::Domain;
 use crate::setting::Setting;
 
@@ -31,6 +32,8 @@ pub struct WavePlan {
     pub costs: WaveCosts,
     /// The method of all realizations instead.
     pub method: Option<WaveMethod>,
+    /// What transforms and sums may take.
+    pub memory: Memory,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -70,6 +73,7 @@ impl WavePlan {
             accuracy,
             costs: WaveCosts::CPU,
             method: None,
+            memory: Memory(MEMORY_BUDGET),
             shape,
             batch,
         })
@@ -115,6 +119,28 @@ impl WavePlan {
         Ok(self)
     }
 
+    /// The same within that memory.
+    #[must_use]
+    pub fn within(self, memory: Memory) -> Self {
+        Self { memory, ..self }
+    }
+
+    /// How a transform is cut to fit, in words.
+    fn in_blocks(&self, method: WaveMethod, n: f64) -> String {
+        let sizes = match &self.waves {
+            WaveVectors::Grid(grid) if method == WaveMethod::Nufft => {
+                NufftSizes::new(grid, self.accuracy.nufft_tolerance(), WaveMethod::about(n)).ok()
+            }
+            _ => None,
+        };
+        let blocks = sizes.map_or(1, |sizes| sizes.blocks(self.memory));
+        if blocks == 1 {
+            String::new()
+        } else {
+            format!(", {blocks} times: so many blocks of frequencies, to fit into {}", self.memory)
+        }
+    }
+
     /// Floating-point operations of the matrix products: 8 per point, row and column.
     pub fn flop(&self) -> f64 {
         let per_point = match &self.waves {
@@ -147,7 +173,7 @@ impl fmt::Display for WavePlan {
         writeln!(f, "  road: {method} for {n} points; on {}, one realization:", self.costs.device)?;
         for method in WaveMethod::ALL {
             match method.estimate(&self.waves, self.accuracy, share, n, &self.costs) {
-                Ok(estimate) => writeln!(f, "    {estimate}")?,
+                Ok(estimate) => writeln!(f, "    {estimate}{}", self.in_blocks(method, n))?,
                 Err(why) => writeln!(f, "    {} {why}", method.name())?,
             }
         }

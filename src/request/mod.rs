@@ -12,6 +12,7 @@ mod values;
 use std::path::PathBuf;
 
 use crate::estimate::Normalization;
+use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
     Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, SmoothingKernel, Taper,
@@ -319,12 +320,24 @@ pub struct Request {
     /// Threads of the CPU path
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", allow_negative_numbers = true))]
     pub threads: Option<usize>,
+
+    /// Memory of transforms and sums, such as 4GiB
+    ///
+    /// Memory of transforms and sums, beside points and results, such as 500MB or 4GiB. Less makes more steps of the same
+    /// sums: no number depends on it, but for the default of --max-frequency below 2GiB.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE"))]
+    pub memory: Option<Memory>,
 }
 
 impl Request {
     /// Everything that its convention decides.
     pub fn conventions(&self) -> Conventions {
         self.convention.resolve(self.bug_compatible)
+    }
+
+    /// The memory it may take.
+    pub fn memory(&self) -> Memory {
+        self.memory.unwrap_or_else(Memory::of_machine)
     }
 }
 
@@ -363,6 +376,7 @@ impl Default for Request {
             device: DeviceChoice::default(),
             accuracy: Accuracy::default(),
             threads: None,
+            memory: None,
         }
     }
 }

@@ -109,7 +109,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 44] = [
+pub static SETTINGS: [Row; 45] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -170,6 +170,7 @@ pub static SETTINGS: [Row; 44] = [
     row!(Device, "--device", device, Computing, usual: true, default: Some("auto")),
     row!(Accuracy, "--accuracy", accuracy, Computing, usual: true, default: Some("fast")),
     row!(Threads, "--threads", threads, Computing, usual: true, otherwise: "one per core"),
+    row!(Memory, "--memory", memory, Computing, otherwise: "half of what the machine has"),
 ];
 
 /// The statistics that the program of a convention computes otherwise.

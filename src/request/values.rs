@@ -7,6 +7,7 @@ use super::settings::{Row, SETTINGS};
 use super::{DEFAULT_STATISTICS, Request, Statistic};
 use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
+use crate::memory::Memory;
 use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
@@ -111,6 +112,15 @@ impl Value for RawLayout {
             Error::Setting { reason, .. } => reason,
             other => other.to_string(),
         })
+    }
+}
+
+impl Value for Memory {
+    fn text(&self) -> String {
+        self.to_string()
+    }
+    fn parse(text: &str) -> Result<Self, String> {
+        text.parse()
     }
 }
 
@@ -416,7 +426,7 @@ mod tests {
             "--kernel gaussian --bandwidth 0.001 --divisor d --exact-kernel --correction border --envelope 19 x",
             "--edges e.txt --frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",
             "--max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 --lag-rings 0.1,0.2 x",
-            "--normalization intensity --device 0 --accuracy high --threads 2 x",
+            "--normalization intensity --device 0 --accuracy high --threads 2 --memory 4GiB x",
         ] {
             let whole = Request::parse(line.split(' ').map(String::from)).unwrap();
             // What others need comes first.

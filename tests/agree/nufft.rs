@@ -320,10 +320,10 @@ fn threads_memory_and_scratch_do_not_change_a_bit() {
                 assert_eq!(one, case.amplitudes_by(&nufft, &grid, Some(&pool)), "{f:?} on {threads} threads");
             }
             // In bands and in blocks of frequencies, down to one of each at a time.
-            for memory in [0, 1 << 21] {
+            for memory in [pairwave::Memory(0), pairwave::Memory(1 << 21)] {
                 let nufft = Nufft::new(&grid, 1e-7, n as f64, SimdLevel::detect()).unwrap().within(memory);
                 for pool in [None, Some(&pairwave::Pool::new(Some(3)).unwrap())] {
-                    assert_eq!(one, case.amplitudes_by(&nufft, &grid, pool), "{f:?} within {memory} bytes");
+                    assert_eq!(one, case.amplitudes_by(&nufft, &grid, pool), "{f:?} within {memory}");
                 }
             }
             // What another plan and other points left behind.

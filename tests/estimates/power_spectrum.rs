@@ -106,12 +106,15 @@ fn undefined_anisotropy_is_none_not_nan() {
 #[test]
 fn rings_of_unequal_sides_are_whole() {
     let torus = Domain::torus(&[2.0, 1.0]).unwrap();
-    let default = WaveGrid::default_max_frequency(100.0, &torus);
+    let default = WaveGrid::default_max_frequency(100.0, &torus, pairwave::Memory(1 << 31));
     assert_eq!(default, [71, 36], "the same frequency per unit length on both axes");
     let grid = WaveGrid::new(&[12, 4]).unwrap();
     let rings = Rings::new(&grid.into(), &torus);
     // The next mode along y outside the grid is m_y = 5 at nu = 5, ring 10 (in units of 1/2): rings to 9 are whole.
     assert_eq!((rings.count, rings.fundamental), (9, 0.5));
-    assert_eq!(WaveGrid::default_max_frequency(4096.0, &Domain::unit_torus(2)), [320, 320]);
-    assert_eq!(WaveGrid::default_max_frequency(1000.0, &Domain::unit_torus(3)), [50, 50, 50]);
+    assert_eq!(WaveGrid::default_max_frequency(4096.0, &Domain::unit_torus(2), pairwave::Memory(1 << 31)), [320, 320]);
+    assert_eq!(
+        WaveGrid::default_max_frequency(1000.0, &Domain::unit_torus(3), pairwave::Memory(1 << 31)),
+        [50, 50, 50]
+    );
 }

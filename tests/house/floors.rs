@@ -4,13 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 19] = [
+pub const FLOORS: [&str; 20] = [
     "setting",
     "named",
     "sinc",
     "error",
     "control",
     "pool",
+    "memory",
     "points",
     "samplers",
     "plan",

@@ -17,7 +17,7 @@ use crate::compute::compensated::total;
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{MEMORY_BUDGET, WaveMethod, WavePlan, WaveVectors};
+use crate::plan::{WaveMethod, WavePlan, WaveVectors};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -99,9 +99,10 @@ impl<'a> AnyMethod<'a> {
             (WaveVectors::Grid(grid), WaveMethod::DirectF64) => {
                 Self::F64(Product::new(cpu, grid, plan.needed(), parts))
             }
-            (WaveVectors::Grid(grid), WaveMethod::Nufft) => {
-                Self::Nufft(cpu.nuffts.get(grid, plan.accuracy.nufft_tolerance(), points, cpu.level())?, grid.dc())
-            }
+            (WaveVectors::Grid(grid), WaveMethod::Nufft) => Self::Nufft(
+                cpu.nuffts.get(grid, plan.accuracy.nufft_tolerance(), points, cpu.level(), plan.memory)?,
+                grid.dc(),
+            ),
         })
     }
 
@@ -257,7 +258,7 @@ impl LeafJob<'_> {
         // A leaf in the making is three sums per mode beside the spectrum.
         let weighted = self.ensemble.weights(0).is_some();
         let scratch = methods.iter().map(|((_, n), method)| method.bytes(*n, weighted)).max().unwrap_or(0);
-        let fits = threads * (4 * self.spectrum_bytes() + scratch) <= MEMORY_BUDGET;
+        let fits = threads * (4 * self.spectrum_bytes() + scratch) <= self.plan.memory.0;
         if fits && (threads == 1 || leaves.len() as u64 >= 2 * threads) {
             return self.by_leaf(&leaves, &methods);
         }
@@ -308,7 +309,7 @@ impl LeafJob<'_> {
         let (threads, modes, realizations) = (self.cpu.threads(), self.plan.waves.len(), self.ensemble.realizations());
         let mut sums = self.new_sums();
         let mut scratch = Scratch::default();
-        let at_once = (MEMORY_BUDGET / self.spectrum_bytes().max(1)).clamp(1, threads as u64) as usize;
+        let at_once = (self.plan.memory.0 / self.spectrum_bytes().max(1)).clamp(1, threads as u64) as usize;
         for start in (0..realizations).step_by(at_once) {
             let wave = start..(start + at_once).min(realizations);
             let methods = self.methods(parts_wanted(self.cpu, wave.len()))?;

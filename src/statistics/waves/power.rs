@@ -46,7 +46,7 @@ fn waves(ask: &Ask<'_>) -> Result<WavePlan> {
         (Some([f]), _) => vec![*f; domain.dim()],
         (Some(each), _) => each.to_vec(),
         (None, Some(f)) => vec![f; domain.dim()],
-        (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain),
+        (None, None) => WaveGrid::default_max_frequency(shape.mean_points, domain, request.memory()),
     };
     let waves = match (&request.frequencies, request.ring_directions) {
         (Some(path), _) => ask.lists.frequencies(path, domain)?.clone().into(),
@@ -58,6 +58,7 @@ fn waves(ask: &Ask<'_>) -> Result<WavePlan> {
     let all_directions = domain.dim() == 2 && waves.grid().is_some() && !request.conventions().foreign;
     let sectors = request.sectors.or(all_directions.then_some(DEFAULT_SECTORS));
     let plan = WavePlan::new(domain, waves, request.accuracy, shape)?
+        .within(request.memory())
         .with_taper(taper(request, domain)?)
         .with_conventions(request.conventions())?;
     match sectors {

@@ -17,7 +17,7 @@ pub(super) const GROUPS: [(Group, &str); 5] = [
 ];
 
 /// Settings of requests with their titles, in the order in which they are shown.
-pub(super) const TITLES: [(Setting, &str); 20] = [
+pub(super) const TITLES: [(Setting, &str); 21] = [
     (Setting::RMax, "largest r"),
     (Setting::Bins, "bins"),
     (Setting::BinScale, "spacing"),
@@ -38,6 +38,7 @@ pub(super) const TITLES: [(Setting, &str); 20] = [
     (Setting::Device, "device"),
     (Setting::Accuracy, "accuracy"),
     (Setting::Threads, "threads"),
+    (Setting::Memory, "memory"),
 ];
 
 /// Draws the groups of a set; `request` is what is asked of it from now on.

@@ -6,13 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::Nufft;
 use crate::compute::cpu::SimdLevel;
 use crate::error::Result;
+use crate::memory::Memory;
 use crate::plan::WaveGrid;
 
 /// Plans kept.
 const KEPT: usize = 8;
 
-/// What a plan is made for: the grid, the bits of its tolerance, and about how many points.
-type Key = (WaveGrid, u64, usize);
+/// What a plan is made for: the grid, the bits of its tolerance, about how many points, and the memory.
+type Key = (WaveGrid, u64, usize, Memory);
 
 /// The plans last asked for, the latest last.
 #[derive(Default)]
@@ -26,12 +27,13 @@ impl Cache {
         tolerance: f64,
         points: usize,
         level: SimdLevel,
+        memory: Memory,
     ) -> Result<Arc<Nufft>> {
-        let key = (*grid, tolerance.to_bits(), points);
+        let key = (*grid, tolerance.to_bits(), points, memory);
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = match kept.iter().position(|(other, _)| *other == key) {
             Some(at) => kept.remove(at),
-            None => (key, Arc::new(Nufft::new(grid, tolerance, points as f64, level)?)),
+            None => (key, Arc::new(Nufft::new(grid, tolerance, points as f64, level)?.within(memory))),
         };
         let nufft = Arc::clone(&found.1);
         if kept.len() == KEPT {

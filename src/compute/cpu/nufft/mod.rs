@@ -21,19 +21,21 @@ use rustfft::num_complex::Complex;
 
 use self::kernel::SpreadingKernel;
 use self::spread::{FineGrid, Sorted};
-use self::transform::{Transform, Worker};
+use self::transform::{Cut, Transform, Worker};
 use super::SimdLevel;
 use crate::control::Control;
 use crate::error::Result;
+use crate::memory::Memory;
 use crate::plan::{NufftSizes, WaveGrid};
 use crate::pool::Pool;
 
 /// A plan for all realizations that share a grid of modes.
 pub struct Nufft {
     grid: WaveGrid,
+    sizes: NufftSizes,
     transform: Transform,
     /// Bytes that a transform may take.
-    memory: u64,
+    memory: Memory,
 }
 
 /// What one transform at a time needs beside its result; grows as asked, and is kept for the next one.
@@ -54,23 +56,24 @@ impl Nufft {
         // Polynomials err little next to aliasing, even where their error is lifted most.
         let kernel = |a: usize| SpreadingKernel::new(sizes.width, sizes.sigma(a), 0.02 * tolerance);
         let axes = (0..sizes.axes.len()).map(|a| (sizes.axes[a], sizes.cells[a], kernel(a))).collect();
-        Ok(Self {
-            grid: *grid,
-            transform: Transform::new(FineGrid::new(axes, level), &sizes.largest),
-            memory: u64::MAX,
-        })
+        let transform = Transform::new(FineGrid::new(axes, level), &sizes.largest);
+        Ok(Self { grid: *grid, sizes, transform, memory: Memory(u64::MAX) })
     }
 
-    /// The same within about `memory` bytes, results and sorted points apart: by bands of the fine grid, and where even that
+    /// The same within about this memory, results and sorted points apart: by bands of the fine grid, and where even that
     /// takes more, by blocks of frequencies, for each of which points are spread again. The same bits come out.
     #[must_use]
-    pub fn within(self, memory: u64) -> Self {
+    pub fn within(self, memory: Memory) -> Self {
         Self { memory, ..self }
+    }
+
+    fn cut(&self, threads: usize) -> Cut {
+        self.transform.cut(threads, self.sizes.frequencies(self.memory), self.memory)
     }
 
     /// Bytes of a `Scratch` for `n` points on `threads` threads.
     pub fn bytes(&self, n: usize, weighted: bool, threads: usize) -> u64 {
-        let cut = self.transform.cut(threads, self.memory);
+        let cut = self.cut(threads);
         self.transform.bytes(cut, threads) + self.transform.grid().sorted_bytes(n, weighted)
     }
 
@@ -118,7 +121,7 @@ impl Nufft {
         let Scratch { columns, sorted, workers } = scratch;
         workers.resize_with(threads.max(workers.len()), Worker::default);
         self.transform.grid().sort(points, sorted, pool, control)?;
-        let cut = self.transform.cut(threads, self.memory);
+        let cut = self.cut(threads);
         self.transform.run(sorted, (columns, workers), (cut, pool), control, finish, out)
     }
 }

@@ -16,6 +16,7 @@ use super::spread::{FineGrid, Sorted, add_all};
 use super::threads::share;
 use crate::control::Control;
 use crate::error::{Error, Result};
+use crate::memory::Memory;
 use crate::pool::Pool;
 use crate::setting::Setting;
 
@@ -105,25 +106,16 @@ impl Transform {
         self.axes.len() - 1
     }
 
-    /// Into parts that fit, on `threads` threads: half of the memory for columns, a quarter for bands, but never less than
-    /// one of each.
-    pub(super) fn cut(&self, threads: usize, memory: u64) -> Cut {
+    /// Into as many frequencies at a time, and into bands that take a quarter of the memory on all threads, but at least one.
+    pub(super) fn cut(&self, threads: usize, frequencies: usize, memory: Memory) -> Cut {
         let all = self.grid.bands();
-        let kept = self.axes[0].largest + 1;
-        if self.last() == 0 {
-            return Cut { bands: all, frequencies: kept };
-        }
         let band_bytes = (self.grid.band() * self.grid.step(self.last()) * size_of::<f64>()) as u64;
         // A few bands are done all at once; of more, a task does two beside its own.
-        let fits = (memory / 4 / threads as u64 / band_bytes).saturating_sub(2);
+        let fits = (memory.0 / 4 / threads as u64 / band_bytes).saturating_sub(2);
         let bands = match all as u64 * band_bytes {
-            bytes if bytes <= WHOLE.min(memory / 4) => all,
+            bytes if self.last() == 0 || bytes <= WHOLE.min(memory.0 / 4) => all,
             _ => all.div_ceil(4 * threads).min((CACHE / band_bytes).max(4).min(fits) as usize).max(1),
         };
-        let per_frequency = (self.whole().columns(self.last()) / kept * size_of::<Complex<f64>>()) as u64;
-        let frequencies = ((memory / 2 / per_frequency.max(1)) as usize).clamp(1, kept);
-        // Blocks of about the same size.
-        let frequencies = kept.div_ceil(kept.div_ceil(frequencies));
         Cut { bands, frequencies }
     }
 
