@@ -83,6 +83,7 @@ pub mod samplers;
 mod setting;
 mod sinc;
 pub mod source;
+mod stage;
 mod statistics;
 
 pub use analysis::{Measurement, measure};

@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     match arguments.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", error.told(pairwave::Setting::flag));
+            command::tell(&format!("error: {}", error.told(pairwave::Setting::flag)));
             ExitCode::from(error.exit_code())
         }
     }

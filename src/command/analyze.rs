@@ -9,8 +9,8 @@ use pairwave::request::{Request, shell_words};
 use pairwave::source::Points;
 use pairwave::{Result, check_threads, report};
 
-use super::print;
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
+use super::{print, tell};
 
 #[derive(clap::Args)]
 pub(crate) struct Analyze {
@@ -50,7 +50,7 @@ impl Analyze {
         let plan = Plan::of(&self.request, &source)?;
         let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
-            eprintln!("note: {note}");
+            tell(&format!("note: {note}"));
         }
         let plan = plan.for_device(device.compute());
         let Some(out) = out else {
@@ -63,7 +63,7 @@ impl Analyze {
         let files = uninterrupted(|| report::write(out, &analysis, self.force))?;
         if !self.quiet {
             for warning in &analysis.warnings {
-                eprintln!("warning: {warning}");
+                tell(&format!("warning: {warning}"));
             }
             print(&report::headline(&analysis))?;
             let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();

@@ -32,6 +32,12 @@ impl Command {
     }
 }
 
+/// Prints a line to standard error; nobody can be told that it is closed or full.
+pub(crate) fn tell(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// Prints to standard output; a reader that has gone away (`pairwave samplers | head`) is not an error.
 fn print(text: &str) -> Result<()> {
     use std::io::Write;

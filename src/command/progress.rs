@@ -1,4 +1,4 @@
-//! Progress on stderr (none when it is not a terminal), and Ctrl-C.
+//! Progress on stderr, and Ctrl-C. A request to end (TERM) and a lost terminal (HUP) are taken like Ctrl-C.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

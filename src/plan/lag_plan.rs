@@ -61,7 +61,16 @@ impl LagGrid {
                 (0..=bins).map(|k| threshold(half, domain.length_unit(), period, k, bins)).collect()
             })
             .collect();
-        Ok(Self { bins, half, thresholds })
+        let grid = Self { bins, half, thresholds };
+        // Positions are known in steps: a cell that holds none has no g.
+        if grid.thresholds.iter().any(|axis| !axis.is_sorted_by(|a, b| a < b)) {
+            let least = bins as f64 * domain.length_unit() * 2f64.powi(-63);
+            let value = number(lag_max.unwrap_or(0.0));
+            let reason =
+                format!("its cells are narrower than positions are known; expected at least {}", number(least));
+            return Err(Error::setting(Setting::LagMax, value, reason));
+        }
+        Ok(grid)
     }
 
     /// Number of axes.

@@ -13,6 +13,7 @@ mod listings;
 mod pair_correlation;
 mod power_spectrum;
 mod request;
+mod results;
 mod shared;
 mod taper;
 mod vector_correlation;

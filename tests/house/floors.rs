@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 20] = [
+pub const FLOORS: [&str; 21] = [
     "setting",
     "named",
     "sinc",
@@ -12,6 +12,7 @@ pub const FLOORS: [&str; 20] = [
     "control",
     "pool",
     "memory",
+    "stage",
     "points",
     "samplers",
     "plan",

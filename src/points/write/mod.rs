@@ -13,6 +13,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 use crate::setting::Setting;
+use crate::stage;
 
 pub(super) use utk::SETS_DIFFER as UTK_SETS_DIFFER;
 
@@ -54,12 +55,8 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
         return Err(exists(path));
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".pairwave-");
-    // A temporary file is private by default; this one becomes an ordinary file under the user's umask.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(|e| Error::file(path, e))?;
+    stage::sweep(folder, |_| false);
+    let mut file = stage::file_within(folder).map_err(|e| Error::file(path, e))?;
 
     let output = BufWriter::with_capacity(1 << 20, file.as_file_mut());
     let mut format: Box<dyn Format + '_> = match extension.as_str() {

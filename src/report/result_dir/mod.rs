@@ -1,15 +1,35 @@
 //! A directory that holds a result, whole or not at all; of what, it does not know.
 
+mod recovery;
+mod swap;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::setting::Setting;
+use crate::stage::{self, Stage};
 
-/// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind.
-/// `names` are all that the result may consist of, the last the one that marks it.
+/// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind, and puts in order what a
+/// killed run left there. `names` are all that the result may consist of, the last the one that marks it.
 pub(super) fn check_out(names: &[&'static str], dir: &Path, force: bool) -> Result<()> {
+    [dir, parent(dir)].into_iter().for_each(|ground| stage::sweep(ground, |left| recovery::done(left, names)));
+    check_names(names, dir, force)?;
+    // The one honest test of permission is to create something where the result will be created.
+    let ground = existing_part(dir);
+    match Stage::within(&ground) {
+        Ok(_) => Ok(()),
+        Err(e) => {
+            // The error itself names the temporary directory, which would only puzzle.
+            let reason = format!("cannot create files in {}: {}", ground.display(), io::Error::from(e.kind()));
+            Err(Error::setting(Setting::Out, dir.display(), reason))
+        }
+    }
+}
+
+/// Whether `dir` is free for a result, or may be replaced.
+fn check_names(names: &[&'static str], dir: &Path, force: bool) -> Result<()> {
     let setting = |reason: String| Err(Error::setting(Setting::Out, dir.display(), reason));
     if dir.as_os_str().is_empty() {
         return setting("expected a directory".into());
@@ -38,39 +58,39 @@ pub(super) fn check_out(names: &[&'static str], dir: &Path, force: bool) -> Resu
         }
         Err(e) => return setting(format!("cannot be used: {e}")),
     }
-    // The one honest test of permission is to create something where the result will be created.
-    let ground = existing_part(dir);
-    match tempfile::Builder::new().prefix(".pairwave-").tempdir_in(&ground) {
-        Ok(_) => Ok(()),
-        Err(e) => {
-            // The error itself names the temporary directory, which would only puzzle.
-            setting(format!("cannot create files in {}: {}", ground.display(), io::Error::from(e.kind())))
-        }
-    }
+    Ok(())
 }
 
 /// Writes a result into `dir` and returns its paths. `dir` is created; a result already there is refused without `force` and
-/// replaced with it: of files that are there only those in `names` are ever replaced or removed. The files appear whole or not
-/// at all. Of `names`, those that there is something to write for are written in this order, so that the last to arrive and the first
-/// to go is the one that marks the result: where it is, all of the result is.
+/// replaced with it: of files that are there only those in `names` are ever replaced or removed. Whatever happens to this
+/// process, there is the old result or the new one; where a directory cannot be swapped (`swap`), the next run sees to that.
+/// Of two that write into one directory, one after the other is done, and the second finds what the first wrote.
 pub(super) fn write(
     names: &[&'static str],
     dir: &Path,
     force: bool,
     make: impl FnOnce(&mut Files<'_>),
 ) -> Result<Vec<PathBuf>> {
-    check_out(names, dir, force)?;
+    // What has come there since `check_out` is no mistake of whoever asked.
+    let free = || match check_names(names, dir, force) {
+        Err(Error::Setting { reason, .. }) => Err(Error::input(dir.display().to_string(), reason)),
+        other => other,
+    };
+    free()?;
     let at = |path: &Path| {
         let path = path.to_path_buf();
         move |e| Error::file(path, e)
     };
-    // Same file system, so that moving is renaming: beside a new DIR, inside an existing one (which may be a mount
-    // point, or the only place where writing is allowed).
-    let exists = dir.is_dir();
-    let parent = dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let ground = if exists { dir } else { parent };
+    // What a link leads to is replaced, not the link.
+    let place = fs::canonicalize(dir).unwrap_or_else(|_| dir.to_path_buf());
+    let ground = parent(&place);
     let created = NewDirectories::create(ground).map_err(at(ground))?;
-    let stage = tempfile::Builder::new().prefix(".pairwave-").tempdir_in(ground).map_err(at(dir))?;
+    // On the same file system, so that moving is renaming.
+    let stage = match swap::possible(&place) {
+        true => Stage::within(ground).or_else(|e| if place.is_dir() { Stage::within(&place) } else { Err(e) }),
+        false => Stage::within(&place),
+    };
+    let stage = stage.map_err(at(dir))?;
     // A directory of its own inside: temporary directories are private, results get the usual permissions.
     let new = stage.path().join("new");
     fs::create_dir(&new).map_err(at(dir))?;
@@ -82,15 +102,21 @@ pub(super) fn write(
         result.map_err(at(&dir.join(name)))?;
         written.push(name);
     }
-    if exists {
-        let old = stage.path().join("old");
-        fs::create_dir(&old).map_err(at(dir))?;
-        replace(names, dir, &new, &old, &written)?;
-    } else {
-        fs::rename(&new, dir).map_err(at(dir))?;
+    let turn = stage::turn(ground);
+    free()?;
+    if !place.is_dir() {
+        fs::rename(&new, &place).map_err(at(dir))?;
+    } else if stage.path().parent() == Some(&place) || swap::swap(names, &place, stage.path()).is_err() {
+        recovery::replace(names, &place, stage.path(), &written).map_err(at(dir))?;
     }
+    drop(turn);
     created.keep();
     Ok(written.into_iter().map(|name| dir.join(name)).collect())
+}
+
+/// The directory that holds `dir`.
+fn parent(dir: &Path) -> &Path {
+    dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Files written so far. After a failure nothing more is.
@@ -116,25 +142,6 @@ impl Files<'_> {
     pub(super) fn names(&self) -> Vec<&'static str> {
         self.done.iter().map(|file| file.0).collect()
     }
-}
-
-/// Swaps our files in `dir`, of all that there may be, for the new ones; on failure everything is put back.
-fn replace(all: &[&'static str], dir: &Path, new: &Path, old: &Path, names: &[&'static str]) -> Result<()> {
-    let mut moved: Vec<(PathBuf, PathBuf)> = Vec::new();
-    let away = all.iter().rev().filter(|f| dir.join(f).symlink_metadata().is_ok());
-    let moves = away.map(|f| (dir.join(f), old.join(f))).chain(names.iter().map(|f| (new.join(f), dir.join(f))));
-    // Collected first: what is there must be asked before anything moves.
-    for (from, to) in moves.collect::<Vec<_>>() {
-        if let Err(e) = fs::rename(&from, &to) {
-            for (from, to) in moved.iter().rev() {
-                // Nothing better can be done about a second failure than to go on with the rest.
-                let _ = fs::rename(to, from);
-            }
-            return Err(Error::file(if from.starts_with(new) { to } else { from }, e));
-        }
-        moved.push((from, to));
-    }
-    Ok(())
 }
 
 /// Directories made on the way to DIR, removed again unless kept.
@@ -169,33 +176,4 @@ impl Drop for NewDirectories {
 fn existing_part(dir: &Path) -> PathBuf {
     let found = dir.ancestors().find(|p| !p.as_os_str().is_empty() && p.exists());
     found.unwrap_or(Path::new(".")).into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const MARK: &str = "summary.json";
-
-    /// A move that fails half way through is undone.
-    #[test]
-    fn a_failed_replacement_restores_the_old_result() {
-        let root = tempfile::tempdir().unwrap();
-        let [dir, new, old] = ["dir", "new", "old"].map(|name| root.path().join(name));
-        for path in [&dir, &new, &old] {
-            fs::create_dir(path).unwrap();
-        }
-        for (path, text) in [(dir.join("pcf.csv"), "old g"), (dir.join(MARK), "old"), (new.join("pcf.csv"), "new g")] {
-            fs::write(path, text).unwrap();
-        }
-        // The new summary was never written.
-        assert!(replace(&["pcf.csv", MARK], &dir, &new, &old, &["pcf.csv", MARK]).is_err());
-        assert_eq!(fs::read_to_string(dir.join("pcf.csv")).unwrap(), "old g");
-        assert_eq!(fs::read_to_string(dir.join(MARK)).unwrap(), "old");
-
-        fs::write(new.join(MARK), "new").unwrap();
-        replace(&["pcf.csv", MARK], &dir, &new, &old, &["pcf.csv", MARK]).unwrap();
-        assert_eq!(fs::read_to_string(dir.join("pcf.csv")).unwrap(), "new g");
-        assert_eq!(fs::read_to_string(dir.join(MARK)).unwrap(), "new");
-    }
 }

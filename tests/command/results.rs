@@ -1,0 +1,78 @@
+//! A result is whole or absent, whatever happens to the processes that write it.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::shared::{Scratch, summary};
+
+/// The names in a directory, stages of killed runs apart.
+fn names(dir: &Path) -> BTreeSet<String> {
+    let names = std::fs::read_dir(dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| !name.starts_with(".pairwave-")).collect()
+}
+
+/// What a run into `dir` is started with.
+fn analyze(scratch: &Scratch, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+    command.current_dir(scratch.0.path()).args(format!("analyze {arguments} --device cpu --quiet").split(' '));
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+#[test]
+fn killed_at_any_moment_a_replacement_leaves_the_old_or_the_new() {
+    let scratch = Scratch::new();
+    scratch.ok("analyze --sampler random -n 9 --stats spectrum --device cpu --quiet --out out");
+    std::fs::create_dir(scratch.path("out/own")).unwrap();
+    for (name, text) in [("out/notes.txt", "mine"), ("out/own/too.txt", "mine too")] {
+        scratch.file(name, text);
+    }
+    for wait in 0..40 {
+        // A run takes some 20 ms.
+        let n = 9 + wait % 3;
+        let mut run = analyze(&scratch, &format!("--sampler random -n {n} --stats pcf,spectrum --force --out out"));
+        let mut run = run.spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(wait));
+        run.kill().unwrap();
+        run.wait().unwrap();
+        let summary = summary(&scratch.path("out"));
+        let files = summary["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap().to_string());
+        let expected: BTreeSet<String> = files.chain(["notes.txt".into(), "own".into()]).collect();
+        assert_eq!(names(&scratch.path("out")), expected, "killed after {wait} ms");
+    }
+    // The next run tidies up.
+    scratch.ok("analyze --sampler random -n 9 --device cpu --quiet --force --out out");
+    let here = std::fs::read_dir(scratch.0.path()).unwrap().map(|e| e.unwrap().file_name()).collect::<Vec<_>>();
+    assert_eq!(here, ["out"]);
+    assert_eq!(std::fs::read_to_string(scratch.path("out/own/too.txt")).unwrap(), "mine too");
+}
+
+#[test]
+fn of_two_runs_into_one_directory_one_wins() {
+    for there in [false, true] {
+        let scratch = Scratch::new();
+        if there {
+            std::fs::create_dir(scratch.path("out")).unwrap();
+        }
+        let run = |sampler: &str| analyze(&scratch, &format!("--sampler {sampler} -n 9 --out out")).spawn().unwrap();
+        let runs = [run("random"), run("jittered"), run("random"), run("jittered")];
+        let codes = runs.map(|mut run| run.wait().unwrap().code().unwrap());
+        assert_eq!(codes.iter().filter(|code| **code == 0).count(), 1, "{codes:?}");
+        let summary = summary(&scratch.path("out"));
+        let files = summary["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap().to_string());
+        assert_eq!(names(&scratch.path("out")), files.collect());
+    }
+}
+
+/// Nobody can be told that standard error is closed or full: the work is done all the same.
+#[test]
+fn a_full_standard_error_harms_nothing() {
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else { return };
+    let scratch = Scratch::new();
+    let mut run = analyze(&scratch, "--sampler random -n 9 --out out");
+    assert_eq!(run.stderr(full.try_clone().unwrap()).status().unwrap().code(), Some(0));
+    let mut run = analyze(&scratch, "nowhere.csv --out another");
+    assert_eq!(run.stderr(full).status().unwrap().code(), Some(1));
+}
