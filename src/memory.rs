@@ -14,17 +14,26 @@ pub struct Memory(pub u64);
 const UNKNOWN: u64 = 2 << 30;
 
 impl Memory {
-    /// Half of what the machine has, or of what this process may have of it (a container, a job of a cluster). Read once.
+    /// Half of what the machine has, or of what this process may have of it (`ulimit`, a container, a job of a cluster). Read once.
     pub fn of_machine() -> Self {
         static HALF: OnceLock<u64> = OnceLock::new();
         Self(*HALF.get_or_init(|| {
             let Ok(mut system) = sysinfo::System::new() else { return UNKNOWN };
             system.refresh_memory();
             let limit = system.cgroup_limits().map(|limits| limits.total_memory).filter(|&bytes| bytes > 0);
-            let all = limit.unwrap_or(u64::MAX).min(system.total_memory());
+            let all = limit.unwrap_or(u64::MAX).min(system.total_memory()).min(allowed());
             if all == 0 { UNKNOWN } else { all / 2 }
         }))
     }
+}
+
+/// What this process may address: `ulimit -v`.
+fn allowed() -> u64 {
+    #[cfg(unix)]
+    let limit = rustix::process::getrlimit(rustix::process::Resource::As).current;
+    #[cfg(not(unix))]
+    let limit = None;
+    limit.unwrap_or(u64::MAX)
 }
 
 impl fmt::Display for Memory {

@@ -2,11 +2,14 @@
 
 mod analyze;
 mod devices;
+mod out_of_memory;
 mod progress;
 mod sample;
 mod samplers;
 
 use pairwave::Result;
+
+pub(crate) use out_of_memory::Allocator;
 
 /// What to do.
 #[derive(clap::Subcommand)]

@@ -76,3 +76,20 @@ fn a_full_standard_error_harms_nothing() {
     let mut run = analyze(&scratch, "nowhere.csv --out another");
     assert_eq!(run.stderr(full).status().unwrap().code(), Some(1));
 }
+
+/// Without memory there is an error that says how much was wanted, and no trace of calls.
+#[test]
+#[cfg(unix)]
+fn no_memory_is_an_error() {
+    let scratch = Scratch::new();
+    let program = env!("CARGO_BIN_EXE_pairwave");
+    let line = format!(
+        "ulimit -v 400000; exec {program} analyze --sampler random -n 99 --stats spectrum --max-frequency 5000 \
+         --device cpu --out out"
+    );
+    let output = Command::new("sh").args(["-c", &line]).current_dir(scratch.0.path()).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("error: memory: ") && said.contains(" bytes more were wanted"), "{said}");
+    assert!(names(scratch.0.path()).is_empty());
+}
