@@ -1,6 +1,6 @@
 //! How long work is stopped, told of and timed.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 // That of the standard library panics in a browser.
 pub(crate) use web_time::Instant;
@@ -16,7 +16,14 @@ pub fn wait<T>(work: impl Future<Output = T>) -> T {
 #[derive(Debug, Default)]
 pub struct Control {
     cancelled: AtomicBool,
+    /// The part of the piece of work at hand that is done, in steps of 2^-40.
+    share: AtomicU64,
+    /// How many equal pieces it comes in, less 1: each of them is told of as a whole.
+    more: AtomicU64,
 }
+
+/// Steps of a whole piece of work.
+const WHOLE: f64 = (1u64 << 40) as f64;
 
 impl Control {
     /// Asks the work to stop at the next chance.
@@ -31,17 +38,60 @@ impl Control {
     pub fn check(&self) -> Result<()> {
         if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
     }
+
+    /// Begins a piece of work.
+    pub(crate) fn begin(&self) {
+        self.share.store(0, Ordering::Relaxed);
+        self.in_pieces(1);
+    }
+
+    /// The piece of work at hand comes in so many equal pieces.
+    pub(crate) fn in_pieces(&self, pieces: usize) {
+        self.more.store(pieces.max(1) as u64 - 1, Ordering::Relaxed);
+    }
+
+    /// Another part of it is done. Told by whoever does the work, from any thread, some hundred times at least.
+    pub(crate) fn advance(&self, part: f64) {
+        let pieces = (self.more.load(Ordering::Relaxed) + 1) as f64;
+        self.share.fetch_add((part * WHOLE / pieces) as u64, Ordering::Relaxed);
+    }
+
+    /// The part of it that is done, 0 to 1.
+    pub fn share(&self) -> f64 {
+        (self.share.load(Ordering::Relaxed) as f64 / WHOLE).min(1.0)
+    }
 }
 
 /// How far a run is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// What is being done.
     pub stage: &'static str,
-    /// Realizations finished.
+    /// Realizations (or simulations) finished.
     pub done: u64,
     /// Of how many.
     pub total: u64,
+    /// The part of the whole run that is done, 0 to 1, by what the plan says that its parts take.
+    pub before: f64,
+    /// And the part that the piece of work at hand is: see `Control::share`.
+    pub piece: f64,
+    /// Seconds of one thread that the plan takes for all of it.
+    pub planned: f64,
+}
+
+impl Progress {
+    /// The part of the whole run that is done.
+    pub fn fraction(&self, control: &Control) -> f64 {
+        (self.before + self.piece * control.share()).clamp(0.0, 1.0)
+    }
+
+    /// Seconds that are left after so many: by what was done in that time, and before anything was, by the plan.
+    pub fn left(&self, control: &Control, elapsed: f64) -> f64 {
+        match self.fraction(control) {
+            done if done >= 0.01 => elapsed * (1.0 - done) / done,
+            _ => (self.planned - elapsed).max(0.0),
+        }
+    }
 }
 
 /// Wall time per stage.

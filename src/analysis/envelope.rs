@@ -35,7 +35,11 @@ pub(super) async fn envelopes(
     let observed_curves = curves(found);
     let mut simulated = vec![Vec::new(); observed_curves.len()];
     for s in 0..simulations {
-        progress(Progress { stage: "envelope", done: s, total: simulations });
+        let planned = observed.planned();
+        let piece = observed.plan.simulated_seconds() / planned / simulations as f64;
+        control.begin();
+        let before = 1.0 - piece * (simulations - s) as f64;
+        progress(Progress { stage: "envelope", done: s, total: simulations, before, piece, planned });
         let (of, n) = (domain.clone(), sizes.clone());
         let draw = move |range: std::ops::Range<u64>| {
             random(&of, u64::MAX - s, range.start, &n[range.start as usize..range.end as usize])

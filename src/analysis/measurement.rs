@@ -224,7 +224,13 @@ impl Measurement {
         let track = &mut self.tracks[at];
         let Some(range) = track.next(&self.span, live, most) else { return Ok(false) };
         let total = self.span.end - self.span.start;
-        let mut told = |stage| tell(Progress { stage, done: range.start - self.span.start, total });
+        let planned = self.planned();
+        let (before, piece) = self.shares(at, &range);
+        let track = &mut self.tracks[at];
+        let mut told = |stage, piece| {
+            control.begin();
+            tell(Progress { stage, done: range.start - self.span.start, total, before, piece, planned });
+        };
         let known = self
             .batch
             .as_ref()
@@ -232,13 +238,13 @@ impl Measurement {
         let batch = match known {
             Some(batch) => batch.clone(),
             None => {
-                told("points");
+                told("points", 0.0);
                 let (source, range) = (&self.source, range.clone());
                 let draw = || device.pool().install(|| source.batch(range, control));
                 Arc::new(self.clock.time("points", draw)?)
             }
         };
-        told(track.part.stage());
+        told(track.part.stage(), piece);
         let mut session = Session::new(device, control);
         let start = Instant::now();
         let sums = track.part.measure(&batch, &mut session).await?;
@@ -254,6 +260,21 @@ impl Measurement {
         device.pool().install(|| self.see(&batch));
         self.batch = Some(batch);
         Ok(true)
+    }
+
+    /// Seconds of one thread that the plan takes for all of it; above 0.
+    pub(super) fn planned(&self) -> f64 {
+        let parts = self.tracks.iter().map(|track| self.plan.seconds(track.part.as_ref()));
+        (parts.sum::<f64>() + self.plan.simulated_seconds()).max(f64::MIN_POSITIVE)
+    }
+
+    /// The part of the run that is done, and the part that track `at` is for a range of realizations.
+    fn shares(&self, at: usize, range: &Range<u64>) -> (f64, f64) {
+        let total = (self.span.end - self.span.start) as f64;
+        let part =
+            |track: &Track, done: u64| self.plan.seconds(track.part.as_ref()) / self.planned() * done as f64 / total;
+        let before = self.tracks.iter().map(|track| part(track, track.done.count())).sum();
+        (before, part(&self.tracks[at], range.end - range.start))
     }
 
     /// Notes the realizations of a batch, each once.

@@ -67,7 +67,9 @@ impl Measurement {
     ) -> Result<Analysis> {
         while self.advance(device, control, progress).await? {}
         let total = self.total();
-        progress(Progress { stage: "estimates", done: total, total });
+        let (planned, piece) = (self.planned(), 0.0);
+        let before = 1.0 - self.plan.simulated_seconds() / planned;
+        progress(Progress { stage: "estimates", done: total, total, before, piece, planned });
         let nothing = || Error::input(self.source.subject(), "there are no realizations");
         let mut found = self.analysis().ok_or_else(nothing)?;
         if self.plan.simulations > 0 {

@@ -10,7 +10,7 @@ use crate::request::{Lists, Request, Statistic, refuse_idle_settings, refuse_unk
 use crate::setting::Setting;
 use crate::source::Points;
 use crate::statistics::ROOMS;
-use crate::statistics::group::{Ask, Parts};
+use crate::statistics::group::{Ask, Part, Parts};
 
 /// Everything decided before the first sum: a value that can be printed.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +23,8 @@ pub struct Plan {
     pub(super) simulations: u64,
     /// Realizations worked on at a time.
     pub(super) batch: u64,
+    /// Number and size of all realizations.
+    shape: EnsembleShape,
 }
 
 /// Values of simulated curves held at a time: 1 GiB.
@@ -73,7 +75,19 @@ impl Plan {
                 format!("simulated points would have no weights, those of the file have (`weight_column` {column})");
             return Err(Error::setting(Setting::Envelope, n, reason));
         }
-        Ok(Self { parts, lists, simulations, batch })
+        Ok(Self { parts, lists, simulations, batch, shape })
+    }
+
+    /// Seconds of one thread that a part takes for all realizations.
+    pub(super) fn seconds(&self, part: &dyn Part) -> f64 {
+        part.seconds(self.shape.mean_points) * self.shape.realizations as f64
+    }
+
+    /// The same for all parts of all simulations.
+    pub(super) fn simulated_seconds(&self) -> f64 {
+        let one: f64 =
+            self.parts.iter().filter_map(|part| part.in_simulations()).map(|p| self.seconds(p.as_ref())).sum();
+        self.simulations as f64 * one
     }
 
     /// The same plan with what suits a device.
@@ -147,6 +161,13 @@ impl fmt::Display for Plan {
         for statistic in skipped {
             writeln!(f, "skipped: {} (not asked for)", statistic.name())?;
         }
-        writeln!(f, "together: {} realizations at a time", self.batch)
+        writeln!(f, "together: {} realizations at a time", self.batch)?;
+        let mut all: Vec<_> = self.parts.iter().map(|part| (part.name(), self.seconds(part))).collect();
+        all.push(("envelope", self.simulated_seconds()));
+        all.retain(|(_, seconds)| *seconds > 0.0);
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let total: f64 = all.iter().map(|(_, seconds)| seconds).sum();
+        let words: Vec<_> = all.iter().map(|(name, seconds)| format!("{name} {seconds:.2e}")).collect();
+        writeln!(f, "in seconds of one thread, about: {total:.2e} ({})", words.join(", "))
     }
 }

@@ -56,7 +56,7 @@ impl Analyze {
         let Some(out) = out else {
             return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.computed_by().device()));
         };
-        let bar = Bar::new(self.quiet);
+        let bar = Bar::new(self.quiet, &control);
         let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
         bar.finish();
         analysis.parameters.push(("command".into(), command_line()));

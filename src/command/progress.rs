@@ -1,10 +1,10 @@
 //! Progress on stderr, and Ctrl-C. A request to end (TERM) and a lost terminal (HUP) are taken like Ctrl-C.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use pairwave::control::Control;
 use pairwave::control::Progress;
 use pairwave::{Error, Result};
@@ -34,28 +34,69 @@ pub(crate) fn stop_on_interrupt() -> Result<Arc<Control>> {
     Ok(control)
 }
 
-/// A progress bar over realizations that also says what is being done.
-pub(crate) struct Bar(ProgressBar);
+/// A progress bar over all of the work that says what is being done, and how long the rest will take; where standard error is
+/// no terminal, a line each half minute.
+pub(crate) struct Bar {
+    bar: ProgressBar,
+    control: Arc<Control>,
+    now: Arc<Mutex<Option<Progress>>>,
+}
+
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// How often a line is printed where there is no terminal.
+const LINE: Duration = Duration::from_secs(30);
 
 impl Bar {
-    pub(crate) fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool, control: &Arc<Control>) -> Self {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(0), target);
-        let template = "{spinner} {wide_bar} {pos}/{len} realizations, {msg}, {elapsed} (about {eta} left)";
-        if let Ok(style) = ProgressStyle::with_template(template) {
+        let bar = ProgressBar::with_draw_target(Some(STEPS), target);
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_bar} {percent} %, {msg}") {
             bar.set_style(style);
         }
-        bar.enable_steady_tick(Duration::from_millis(100));
-        Self(bar)
+        let now = Arc::new(Mutex::new(None));
+        let watched = (bar.downgrade(), Arc::clone(control), Arc::downgrade(&now));
+        let hidden = bar.is_hidden();
+        // A run without these lines is a run all the same.
+        let _ = std::thread::Builder::new().name("progress".into()).spawn(move || {
+            let (bar, control, now) = watched;
+            let start = Instant::now();
+            let mut said = start;
+            loop {
+                std::thread::sleep(Duration::from_millis(100));
+                let (Some(bar), Some(now)) = (bar.upgrade(), now.upgrade()) else { return };
+                let now = *now.lock().unwrap_or_else(PoisonError::into_inner);
+                let Some(now) = now else { continue };
+                let text = words(now, &control, start.elapsed().as_secs_f64());
+                let fraction = now.fraction(&control);
+                if !hidden {
+                    bar.set_position((fraction * STEPS as f64) as u64);
+                    bar.set_message(text);
+                } else if !quiet && said.elapsed() >= LINE {
+                    said = Instant::now();
+                    super::tell(&format!("{:.0} %, {text}", 100.0 * fraction));
+                }
+            }
+        });
+        Self { bar, control: Arc::clone(control), now }
     }
 
     pub(crate) fn show(&self, progress: Progress) {
-        self.0.set_length(progress.total);
-        self.0.set_position(progress.done);
-        self.0.set_message(progress.stage);
+        *self.now.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
+        self.bar.set_position((progress.fraction(&self.control) * STEPS as f64) as u64);
     }
 
     pub(crate) fn finish(&self) {
-        self.0.finish_and_clear();
+        *self.now.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.bar.finish_and_clear();
     }
+}
+
+/// `wave_power, 3/10, 12 s (about 40 s left)`
+fn words(now: Progress, control: &Control, elapsed: f64) -> String {
+    let Progress { stage, done, total, .. } = now;
+    let time = |seconds: f64| HumanDuration(Duration::from_secs_f64(seconds.min(1e9))).to_string();
+    let (elapsed, left) = (time(elapsed), time(now.left(control, elapsed)));
+    format!("{stage}, {done}/{total}, {elapsed} (about {left} left)")
 }

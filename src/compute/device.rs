@@ -107,6 +107,11 @@ impl<'a> Session<'a> {
         Self { device, control, warnings: Vec::new() }
     }
 
+    /// As `Control::in_pieces`.
+    pub(crate) fn in_pieces(&self, pieces: usize) {
+        self.control.in_pieces(pieces);
+    }
+
     pub(crate) async fn pair_counts(&mut self, plan: &PairPlan, ensemble: &Ensemble) -> Result<PairCounts> {
         let control = self.control;
         self.run(Work::Pairs(plan), async |c: &dyn Compute| c.pair_counts(plan, ensemble, control).await).await
@@ -115,6 +120,7 @@ impl<'a> Session<'a> {
     /// Of several ensembles, all by the same backend: their weights may be subtracted from each other.
     pub(crate) async fn all_pair_counts(&mut self, plan: &PairPlan, ensembles: &[Ensemble]) -> Result<Vec<PairCounts>> {
         let control = self.control;
+        control.in_pieces(ensembles.len());
         let all = async |c: &dyn Compute| {
             let mut all = Vec::with_capacity(ensembles.len());
             for ensemble in ensembles {

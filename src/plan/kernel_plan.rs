@@ -145,6 +145,18 @@ impl KernelPlan {
         in_reach * covered
     }
 
+    /// What a realization takes, in seconds of one thread.
+    pub fn seconds(&self) -> f64 {
+        match self.method {
+            KernelMethod::Direct => 1e-9 * self.cost() / self.pairs.shape.realizations.max(1) as f64,
+            KernelMethod::Binned => {
+                let bins = self.pairs.bins.len() as f64;
+                let reached = bins.min(2.0 * self.kernel.reach() / self.range() * bins);
+                self.pairs.seconds() + 1e-9 * self.r.len() as f64 * reached
+            }
+        }
+    }
+
     /// The cost of the direct sum, in values of a polynomial kernel.
     fn cost(&self) -> f64 {
         let value = if self.kernel.shape == SmoothingKernel::Gaussian { GAUSSIAN } else { 1.0 };

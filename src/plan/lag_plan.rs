@@ -61,16 +61,21 @@ impl LagGrid {
                 (0..=bins).map(|k| threshold(half, domain.length_unit(), period, k, bins)).collect()
             })
             .collect();
-        let grid = Self { bins, half, thresholds };
-        // Positions are known in steps: a cell that holds none has no g.
-        if grid.thresholds.iter().any(|axis| !axis.is_sorted_by(|a, b| a < b)) {
-            let least = bins as f64 * domain.length_unit() * 2f64.powi(-63);
-            let value = number(lag_max.unwrap_or(0.0));
-            let reason =
-                format!("its cells are narrower than positions are known; expected at least {}", number(least));
-            return Err(Error::setting(Setting::LagMax, value, reason));
+        Ok(Self { bins, half, thresholds })
+    }
+
+    /// Refuses cells that are narrower than positions are known, of which g says nothing.
+    ///
+    /// # Errors
+    /// The largest lag, with the least that would do.
+    pub fn check_cells(&self, domain: &Domain) -> Result<()> {
+        if self.thresholds.iter().all(|axis| axis.is_sorted_by(|a, b| a < b)) {
+            return Ok(());
         }
-        Ok(grid)
+        let half = self.half.iter().copied().fold(f64::INFINITY, f64::min);
+        let least = self.bins as f64 * domain.length_unit() * 2f64.powi(-63);
+        let reason = format!("its cells are narrower than positions are known; expected at least {}", number(least));
+        Err(Error::setting(Setting::LagMax, number(half), reason))
     }
 
     /// Number of axes.

@@ -173,6 +173,12 @@ impl PairPlan {
         PairSearch::alternatives(&self.domain, beyond, self.shape.mean_points, &self.filter, costs)
     }
 
+    /// What a realization takes by the search that is planned.
+    pub fn seconds(&self) -> f64 {
+        let all = self.searches(&self.device.costs);
+        all.iter().find(|s| s.search == self.search).map_or(0.0, |s| s.seconds)
+    }
+
     /// Unordered pairs in all realizations, looked at or not.
     pub fn pairs(&self) -> f64 {
         let n = self.shape.mean_points;

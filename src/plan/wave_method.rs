@@ -83,19 +83,8 @@ impl WaveMethod {
     /// All there are.
     pub const ALL: [Self; 3] = [Self::DirectF32, Self::DirectF64, Self::Nufft];
 
-    /// The methods that keep the promise, with estimates for a realization of `n` points. `share`
-    /// is the part of a grid's modes that is needed.
-    pub fn alternatives(
-        waves: &WaveVectors,
-        accuracy: Accuracy,
-        share: f64,
-        n: f64,
-        costs: &WaveCosts,
-    ) -> Vec<MethodEstimate> {
-        Self::ALL.into_iter().filter_map(|method| method.estimate(waves, accuracy, share, n, costs).ok()).collect()
-    }
-
-    /// The estimate of one of them, or why it is none.
+    /// The estimate for a realization of `n` points, or why there is none: a method that does not keep the promise. `share` is
+    /// the part of a grid's modes that is needed.
     pub(super) fn estimate(
         self,
         waves: &WaveVectors,
@@ -178,6 +167,6 @@ mod tests {
         for method in [WaveMethod::DirectF32, WaveMethod::Nufft] {
             assert_eq!(why(method, &list, fast, &cpu), Some("is for grids, not for lists of wave vectors"));
         }
-        assert_eq!(WaveMethod::alternatives(&list, fast, 1.0, 1000.0, &cpu).len(), 1);
+        assert_eq!(why(WaveMethod::DirectF64, &list, fast, &cpu), None);
     }
 }

@@ -81,7 +81,15 @@ impl WavePlan {
 
     /// The methods there are for a realization of `n` points, with estimates.
     pub fn methods(&self, n: f64) -> Vec<MethodEstimate> {
-        WaveMethod::alternatives(&self.waves, self.accuracy, self.share(), n, &self.costs)
+        WaveMethod::ALL.into_iter().filter_map(|method| self.estimate(method, n, self.share()).ok()).collect()
+    }
+
+    /// The estimate of one of them, or why it is none.
+    fn estimate(&self, method: WaveMethod, n: f64, share: f64) -> std::result::Result<MethodEstimate, &'static str> {
+        if method == WaveMethod::DirectF32 && self.tapered().is_some() {
+            return Err("is not for tapers");
+        }
+        method.estimate(&self.waves, self.accuracy, share, n, &self.costs)
     }
 
     /// The part of the stored modes that is needed.
@@ -98,6 +106,14 @@ impl WavePlan {
             let best = all.into_iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
             best.map_or(WaveMethod::DirectF64, |best| best.method)
         })
+    }
+
+    /// What a realization of `n` points takes by the fastest method, tapers and blocks of a transform included.
+    pub fn seconds(&self, n: f64) -> f64 {
+        let method = self.method(n.round() as usize);
+        let all = self.methods(n);
+        let one = all.iter().find(|m| m.method == method).map_or(0.0, |m| m.seconds);
+        one * self.tapers() * if method == WaveMethod::Nufft { self.blocks(n) as f64 } else { 1.0 }
     }
 
     /// The ring of every stored mode (0 for none), where modes in none may be left out.
@@ -125,15 +141,18 @@ impl WavePlan {
         Self { memory, ..self }
     }
 
-    /// How a transform is cut to fit, in words.
+    /// Blocks of frequencies that a transform of `n` points is cut to, to fit.
+    fn blocks(&self, n: f64) -> usize {
+        let sizes = self
+            .waves
+            .grid()
+            .and_then(|grid| NufftSizes::new(grid, self.accuracy.nufft_tolerance(), WaveMethod::about(n)).ok());
+        sizes.map_or(1, |sizes| sizes.blocks(self.memory))
+    }
+
+    /// The same in words.
     fn in_blocks(&self, method: WaveMethod, n: f64) -> String {
-        let sizes = match &self.waves {
-            WaveVectors::Grid(grid) if method == WaveMethod::Nufft => {
-                NufftSizes::new(grid, self.accuracy.nufft_tolerance(), WaveMethod::about(n)).ok()
-            }
-            _ => None,
-        };
-        let blocks = sizes.map_or(1, |sizes| sizes.blocks(self.memory));
+        let blocks = if method == WaveMethod::Nufft { self.blocks(n) } else { 1 };
         if blocks == 1 {
             String::new()
         } else {
@@ -172,7 +191,7 @@ impl fmt::Display for WavePlan {
         let method = self.method(n.round() as usize).name();
         writeln!(f, "  road: {method} for {n} points; on {}, one realization:", self.costs.device)?;
         for method in WaveMethod::ALL {
-            match method.estimate(&self.waves, self.accuracy, share, n, &self.costs) {
+            match self.estimate(method, n, share) {
                 Ok(estimate) => writeln!(f, "    {estimate}{}", self.in_blocks(method, n))?,
                 Err(why) => writeln!(f, "    {} {why}", method.name())?,
             }

@@ -114,6 +114,11 @@ pub(crate) trait Group: Clone + PartialEq + Debug + Display + Send + Sync + 'sta
         Effort::default()
     }
 
+    /// What that takes, in seconds of one thread (a GPU as a whole counts as one), by the plan's costs.
+    fn seconds(&self, _n: f64) -> f64 {
+        0.0
+    }
+
     /// How a simulation for envelopes measures it; `None` if no curve depends on it.
     fn in_simulations(&self) -> Option<Self> {
         None
@@ -166,6 +171,7 @@ pub(crate) trait Part: Any + Debug + Display + Send + Sync {
     fn estimate(&self, sums: &dyn PartSums, subject: &Subject<'_>, found: &mut Analysis);
     fn warnings(&self, sums: &dyn PartSums, subject: &Subject<'_>, parts: &Parts, found: &Analysis) -> Vec<String>;
     fn effort(&self, n: u64) -> Effort;
+    fn seconds(&self, n: f64) -> f64;
     fn in_simulations(&self) -> Option<Box<dyn Part>>;
     fn curve_values(&self) -> usize;
     fn keep_ready(&mut self);
@@ -233,6 +239,10 @@ impl<G: Group> Part for G {
 
     fn effort(&self, n: u64) -> Effort {
         Group::effort(self, n)
+    }
+
+    fn seconds(&self, n: f64) -> f64 {
+        Group::seconds(self, n)
     }
 
     fn in_simulations(&self) -> Option<Box<dyn Part>> {

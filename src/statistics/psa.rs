@@ -66,6 +66,10 @@ impl Group for Psa {
         self.pairs.as_ref().map_or(Batch::all(self.shape), |pairs| pairs.batch)
     }
 
+    fn seconds(&self, _: f64) -> f64 {
+        self.pairs.as_ref().map_or(0.0, PairPlan::seconds)
+    }
+
     fn suit(&mut self, compute: &dyn Compute) {
         self.pairs = self.pairs.take().map(|pairs| pairs.for_device(compute.pair_device()));
     }
@@ -77,6 +81,7 @@ impl Group for Psa {
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<PsaCounts> {
         let mut sums = PsaCounts::default();
         if let Some(pairs) = &self.pairs {
+            session.in_pieces(batch.realizations());
             for k in 0..batch.realizations() {
                 let counts = session.pair_counts(pairs, &batch.slice(k..k + 1)).await?.counts;
                 sums.add(batch.first_index() + k as u64, counts.into_iter().map(|c| c / 2).collect());

@@ -112,6 +112,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--lag-max 0.6: expected a number above 0 and at most half the shortest side (0.5)",
         ),
         (
+            "analyze ok.csv --stats pcf-vector --lag-max 1e-200",
+            2,
+            "--lag-max 1e-200: its cells are narrower than positions are known; expected at least 6.938893903907228e-18",
+        ),
+        (
             "analyze ok.csv --stats pcf-vector --lag-max nan",
             2,
             "--lag-max NaN: expected a number above 0 and at most half the shortest side (0.5)",

@@ -34,6 +34,7 @@ pub(super) fn kernel_sums(cpu: &Cpu, plan: &KernelPlan, ensemble: &Ensemble, con
     };
     let group = (HELD / (24 * plan.r.len().max(1))).clamp(16, 4096);
     let blocks = |k: usize| ensemble.points_in(k).div_ceil(rows_per_block(ensemble.points_in(k))).max(1);
+    let all: usize = (0..ensemble.realizations()).map(blocks).sum();
     let mut first = 0;
     while first < ensemble.realizations() {
         let mut tasks = Vec::new();
@@ -47,7 +48,9 @@ pub(super) fn kernel_sums(cpu: &Cpu, plan: &KernelPlan, ensemble: &Ensemble, con
         for tasks in tasks.chunks(group) {
             let work = |&(k, block): &(usize, usize)| {
                 control.check()?;
-                Ok((k, spread.block(plan, &sets[k - first], block)))
+                let block = spread.block(plan, &sets[k - first], block);
+                control.advance(1.0 / all as f64);
+                Ok((k, block))
             };
             let parts: Vec<_> = cpu.pool.install(|| tasks.par_iter().map(work).collect::<Result<_>>())?;
             for (k, part) in parts {

@@ -54,6 +54,7 @@ pub(super) fn lag_counts(cpu: &Cpu, plan: &LagPlan, ensemble: &Ensemble, control
                     tally.count(cpu.level, plan, &places, &set, block);
                 }
                 sums.add(plan, &tally.take(plan, set.n));
+                control.advance(1.0 / realizations as f64);
             }
         });
         for part in parts {
@@ -74,6 +75,9 @@ pub(super) fn lag_counts(cpu: &Cpu, plan: &LagPlan, ensemble: &Ensemble, control
                     return;
                 }
                 tally.count(cpu.level, plan, &places, &set, block);
+                // A block looks at the blocks from its own on.
+                let all = set.blocks() as f64;
+                control.advance((2.0 * (all - block as f64) - 1.0) / (all * all) / realizations as f64);
             }
         };
         cpu.pool.install(|| tallies.par_iter_mut().for_each(count));

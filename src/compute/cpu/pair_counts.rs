@@ -25,7 +25,7 @@ use crate::compute::Compute;
 use crate::compute::cells::{Neighbourhood, SortedPoints};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{BinFilter, BinTable, PairPlan};
+use crate::plan::{BinFilter, BinTable, PairPlan, PairSearch};
 use crate::points::geometry;
 use crate::points::{Ensemble, round32};
 
@@ -66,6 +66,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                     tally.count(cpu.level, plan, &filter, &near, &set, block);
                 }
                 sums.add(&tally.take(&set));
+                control.advance(1.0 / realizations as f64);
             }
         });
         let mut sums = new_sums();
@@ -90,6 +91,13 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                     return Ok(tally.take(&set));
                 }
                 tally.count(cpu.level, plan, &filter, &near, &set, block);
+                // In a grid of cells a block looks at a few around it, else at the blocks from its own on.
+                let all = set.blocks() as f64;
+                let part = match plan.search {
+                    PairSearch::All => (2.0 * (all - block as f64) - 1.0) / all,
+                    PairSearch::Cells(_) => 1.0,
+                };
+                control.advance(part / all / realizations as f64);
             }
         });
         let mut whole: Option<PairHistogram> = None;

@@ -83,6 +83,7 @@ fn leaf_sums(
             powers[row * stored + a] = re * re + im * im;
         }
         sums.add_norm(norm);
+        control.advance(1.0 / ensemble.realizations() as f64);
     }
     let matrix = |values, width| Operand { values, stride: width, width };
     let x = matrix(components.as_slice(), 2 * stored);

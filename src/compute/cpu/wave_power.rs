@@ -295,6 +295,7 @@ impl LeafJob<'_> {
                     let points = WavePoints::of(self.ensemble, k);
                     methods[&self.keys[k]].whole(&points, &mut scratch, None, self.control, &mut power)?;
                     self.add(&mut sum, k, &mut power);
+                    self.control.advance(1.0 / self.ensemble.realizations() as f64);
                 }
                 sum.close_leaf();
                 sums.lock().unwrap_or_else(PoisonError::into_inner).merge(sum)?;
@@ -327,6 +328,7 @@ impl LeafJob<'_> {
                     of(k).part(part, &points, &mut scratch, self.control, |at, q| part_sums.push((at, q)))?;
                     let mut power = powers[k - start].lock().unwrap_or_else(PoisonError::into_inner);
                     part_sums.drain(..).for_each(|(at, q)| power[at] = q);
+                    self.control.advance(1.0 / (realizations * of(k).parts()) as f64);
                 }
             });
             results.into_iter().collect::<Result<()>>()?;
@@ -335,6 +337,7 @@ impl LeafJob<'_> {
                 if of(k).parts() == 0 {
                     let points = WavePoints::of(self.ensemble, k);
                     of(k).whole(&points, &mut scratch, Some(&self.cpu.pool), self.control, power)?;
+                    self.control.advance(1.0 / realizations as f64);
                 }
                 self.add(&mut sums, k, power);
             }

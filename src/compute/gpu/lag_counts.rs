@@ -139,6 +139,7 @@ pub(super) async fn lag_counts(
             let buffers = [&params, &jobs, &points.rounded, &points.exact, &thresholds, &histograms];
             kernel.dispatch(gpu, &mut encoder, &buffers, dispatch.jobs.len() as u32);
             let read = gpu.submit_and_read::<u32>(NAME, encoder, &histograms, words);
+            control.advance(1.0 / work.len() as f64);
             // One submission ahead: the device has work while the host adds up.
             if let Some((range, read)) = under_way.replace((range, read)) {
                 collect(range, gpu.finish(read).await?);

@@ -36,7 +36,9 @@ pub(super) async fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
     let cells = grid.len();
     gpu.guarded(NAME, async || {
         let tables = Tables::upload(compute, run.plan);
-        for group in groups(&run.sizes, &caps, cells) {
+        let all = groups(&run.sizes, &caps, cells);
+        let part = 1.0 / all.len().max(1) as f64;
+        for group in all {
             run.control.check()?;
             let (points, starts) = sort.sorted(run, &group).await?;
             let sets = starts.windows(cells + 1).step_by(cells);
@@ -50,6 +52,7 @@ pub(super) async fn run(run: &mut Run<'_>, grid: CellGrid) -> Result<()> {
                 let tasks = gpu.upload("tasks", &tasks, compute.tuning.fill);
                 run.submit(&kernel, &tables, group.clone(), &points, &[&jobs, &tasks], groups).await?;
             }
+            run.control.advance(part);
         }
         run.finish().await
     })

@@ -42,7 +42,9 @@ async fn all_pairs(run: &mut Run<'_>) -> Result<()> {
     let mut held: Option<(Range<usize>, UploadedPoints)> = None;
     gpu.guarded(NAME, async || {
         let tables = Tables::upload(compute, plan);
-        for dispatch in dispatches(&run.sizes, plan.tile.points(), caps.pairs, caps.points, caps.histograms) {
+        let all = dispatches(&run.sizes, plan.tile.points(), caps.pairs, caps.points, caps.histograms);
+        let part = 1.0 / all.len().max(1) as f64;
+        for dispatch in all {
             run.control.check()?;
             let range = dispatch.realizations.clone();
             // A large realization takes many dispatches; its points go up once.
@@ -53,6 +55,7 @@ async fn all_pairs(run: &mut Run<'_>) -> Result<()> {
             let Some((_, points)) = &held else { continue };
             let jobs = gpu.upload("jobs", &dispatch.jobs, compute.tuning.fill);
             run.submit(&kernel, &tables, range, points, &[&jobs], dispatch.jobs.len() as u32).await?;
+            run.control.advance(part);
         }
         run.finish().await
     })

@@ -67,7 +67,9 @@ pub(super) async fn wave_power(
                 for column in (0..blocks.count[1]).step_by(part[1] as usize) {
                     control.check()?;
                     let end = [(row + part[0]).min(blocks.count[0]), (column + part[1]).min(blocks.count[1])];
-                    job.run(&points, [row..end[0], column..end[1]], &mut power, control).await?;
+                    let modes = f64::from(end[0] - row) * f64::from(end[1] - column);
+                    let share = modes / blocks.total() as f64 * batch.len() as f64 / sizes.len() as f64;
+                    job.run(&points, [row..end[0], column..end[1]], &mut power, (control, share)).await?;
                 }
             }
             Ok(())
@@ -180,7 +182,7 @@ impl PowerJob<'_> {
         points: &UploadedWavePoints,
         part: [Range<u32>; 2],
         power: &mut [Vec<f64>],
-        control: &Control,
+        (control, share): (&Control, f64),
     ) -> Result<()> {
         let (gpu, tuning) = (self.compute.gpu(), &self.compute.tuning);
         let span = self.blocks.span();
@@ -209,6 +211,7 @@ impl PowerJob<'_> {
             buffers.extend(&points.weights);
             self.product.dispatch(gpu, &mut encoder, &buffers, count);
             params.first_job += count;
+            control.advance(share * f64::from(count) / f64::from(params.jobs));
             // One submission ahead: the device has work while the host waits, and a cancelled call ends soon.
             if let Some(last) = last.replace(gpu.submit(encoder)) {
                 gpu.wait(NAME, last).await?;

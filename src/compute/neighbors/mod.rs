@@ -23,12 +23,14 @@ use search::Nearest;
 /// # Errors
 /// `Error::Cancelled`.
 pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control) -> Result<NeighborSums> {
+    let part = 1.0 / ensemble.realizations() as f64;
     let add = |mut sums: NeighborSums, k: usize| {
         control.check()?;
         let axes = ensemble.lengths(k);
         let n = ensemble.points_in(k) as u64;
         // The triangulation runs on one thread, the search on all that are left.
-        let (bonds, nearest) = rayon::join(|| bonds(plan, &axes, control), || Nearest::find(plan, &axes, control));
+        let (bonds, nearest) =
+            rayon::join(|| bonds(plan, &axes, control), || Nearest::find(plan, &axes, part, control));
         let nearest = nearest?;
         let one = RealizationNeighbors {
             index: ensemble.first_index() + k as u64,

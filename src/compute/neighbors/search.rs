@@ -24,16 +24,16 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    /// Of the points of one realization and the test points of the plan.
-    pub(super) fn find(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<Self> {
+    /// Of the points of one realization and the test points of the plan, which is `part` of the piece of work at hand.
+    pub(super) fn find(plan: &NeighborPlan, axes: &[&[u64]], part: f64, control: &Control) -> Result<Self> {
         match axes.len() {
-            1 => Self::find_in::<1>(plan, axes, control),
-            2 => Self::find_in::<2>(plan, axes, control),
-            _ => Self::find_in::<3>(plan, axes, control),
+            1 => Self::find_in::<1>(plan, axes, part, control),
+            2 => Self::find_in::<2>(plan, axes, part, control),
+            _ => Self::find_in::<3>(plan, axes, part, control),
         }
     }
 
-    fn find_in<const D: usize>(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<Self>
+    fn find_in<const D: usize>(plan: &NeighborPlan, axes: &[&[u64]], part: f64, control: &Control) -> Result<Self>
     where
         [f64; D]: KdPoint<Scalar = f64>,
         <[f64; D] as KdPoint>::Dim: Sync,
@@ -46,7 +46,7 @@ impl Nearest {
             }
             Ok(search.nearest(&probe(i)).square)
         });
-        let of_points = search.of_points(axes[0].len(), control)?.into_iter().map(|near| near.square).collect();
+        let of_points = search.of_points(axes[0].len(), part, control)?.into_iter().map(|near| near.square).collect();
         Ok(Self { of_points, of_probes: probes.collect::<Result<_>>()? })
     }
 }
@@ -55,9 +55,9 @@ impl Nearest {
 /// one with the lowest index, unless points coincide.
 pub(super) fn partners(domain: &Domain, axes: &[&[u64]], control: &Control) -> Result<Vec<Option<usize>>> {
     let of_points = match axes {
-        [x] => Search::<1>::new(axes, domain).of_points(x.len(), control),
-        [x, _] => Search::<2>::new(axes, domain).of_points(x.len(), control),
-        _ => Search::<3>::new(axes, domain).of_points(axes[0].len(), control),
+        [x] => Search::<1>::new(axes, domain).of_points(x.len(), 0.0, control),
+        [x, _] => Search::<2>::new(axes, domain).of_points(x.len(), 0.0, control),
+        _ => Search::<3>::new(axes, domain).of_points(axes[0].len(), 0.0, control),
     }?;
     Ok(of_points.into_iter().map(|near| (near.index != NOBODY).then_some(near.index)).collect())
 }
@@ -124,7 +124,8 @@ where
         }
     }
 
-    fn of_points(&self, n: usize, control: &Control) -> Result<Vec<Near>> {
+    /// `part`: of the piece of work at hand.
+    fn of_points(&self, n: usize, part: f64, control: &Control) -> Result<Vec<Near>> {
         // Searched in the order of the tree, where queries that follow one another walk the same nodes.
         let parts: Vec<Vec<Near>> = self
             .tree
@@ -132,7 +133,9 @@ where
             .par_chunks(CHUNK)
             .map(|sites| {
                 control.check()?;
-                Ok(sites.iter().map(|site| self.nearest(site)).collect())
+                let found = sites.iter().map(|site| self.nearest(site)).collect();
+                control.advance(part * sites.len() as f64 / n as f64);
+                Ok(found)
             })
             .collect::<Result<_>>()?;
         let mut nearest = vec![NONE; n];
@@ -262,7 +265,7 @@ mod tests {
         let axes = ensemble.lengths(0);
         let n = axes[0].len();
         let plan = plan(domain);
-        let found = Nearest::find(&plan, &axes, &Control::default()).unwrap();
+        let found = Nearest::find(&plan, &axes, 0.0, &Control::default()).unwrap();
         let all =
             |i| (0..n).filter(|&j| j != i).map(|j| squared_distance(&axes, domain.periods(), i, j)).min().unwrap();
         let expected: Vec<u128> = (0..n).map(all).collect();
@@ -409,7 +412,7 @@ mod tests {
                 for (what, points) in degenerate(dim, n) {
                     let ensemble = one(&domain, into(&domain, &points));
                     let axes = ensemble.lengths(0);
-                    let found = Nearest::find(&plan(&domain), &axes, &Control::default()).unwrap().of_points;
+                    let found = Nearest::find(&plan(&domain), &axes, 0.0, &Control::default()).unwrap().of_points;
                     for i in (0..n).step_by(n / 20) {
                         let others = (0..n).filter(|&j| j != i);
                         let expected = others.map(|j| squared_distance(&axes, domain.periods(), i, j)).min();
@@ -424,7 +427,8 @@ mod tests {
     fn nobody_is_infinitely_far() {
         for domain in domains(2) {
             let plan = plan(&domain);
-            let find = |points| Nearest::find(&plan, &one(&domain, points).lengths(0), &Control::default()).unwrap();
+            let find =
+                |points| Nearest::find(&plan, &one(&domain, points).lengths(0), 0.0, &Control::default()).unwrap();
             let none = find(vec![]);
             assert!(none.of_points.is_empty() && none.of_probes.iter().all(|&s| s == u128::MAX));
             let single = find(into(&domain, &[0.5, 0.5]));
@@ -439,6 +443,6 @@ mod tests {
         control.cancel();
         let domain = Domain::unit_torus(2);
         let ensemble = one(&domain, sample("random", &[], 100, 2));
-        assert!(matches!(Nearest::find(&plan(&domain), &ensemble.lengths(0), &control), Err(Error::Cancelled)));
+        assert!(matches!(Nearest::find(&plan(&domain), &ensemble.lengths(0), 0.0, &control), Err(Error::Cancelled)));
     }
 }

@@ -44,6 +44,11 @@ impl Group for Covariance {
         self.0.batch
     }
 
+    fn seconds(&self, n: f64) -> f64 {
+        let stored = self.0.stored() as f64;
+        3e-10 * n * stored + 1e-9 * stored * stored
+    }
+
     fn none(&self, by: ComputedBy) -> WaveCovariance {
         WaveCovariance::new(by, self.0.stored())
     }

@@ -46,6 +46,7 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
 fn lags(ask: &Ask<'_>) -> Result<LagPlan> {
     let Ask { request, domain, shape, .. } = *ask;
     let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(64), request.lag_max)?;
+    grid.check_cells(domain)?;
     let correction = match correction(request, domain) {
         Correction::Isotropic | Correction::Border if ask.wants(Statistic::Pcf) => Correction::Translation,
         other => other,
@@ -114,6 +115,7 @@ impl Group for Lags {
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<LagSums> {
+        session.in_pieces(if self.lag_rings.is_some() { 2 } else { 1 });
         let lags = session.lag_counts(&self.lags, batch).await?;
         let lag_rings = match &self.lag_rings {
             Some(lag_rings) => Some(session.lag_counts(lag_rings, batch).await?),
@@ -136,6 +138,11 @@ impl Group for Lags {
 
     fn effort(&self, n: u64) -> Effort {
         Effort { pairs: pairs_of(n), products: 0.0 }
+    }
+
+    fn seconds(&self, n: f64) -> f64 {
+        let grids = if self.lag_rings.is_some() { 2.0 } else { 1.0 };
+        1.2e-9 * grids * n * n / 2.0
     }
 }
 

@@ -47,6 +47,12 @@ impl Group for Neighborhood {
         self.0.batch
     }
 
+    fn seconds(&self, n: f64) -> f64 {
+        let points = n + self.0.probes.len() as f64;
+        let each = if self.0.domain.dim() == 1 { 6e-8 } else { 2.8e-7 };
+        each * points * points.max(2.0).log2()
+    }
+
     fn none(&self, _: ComputedBy) -> NeighborSums {
         NeighborSums::at(self.0.r.len())
     }

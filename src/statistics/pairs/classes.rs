@@ -69,6 +69,10 @@ impl Group for Classes {
         self.pairs.batch
     }
 
+    fn seconds(&self, _: f64) -> f64 {
+        self.pairs.seconds()
+    }
+
     fn suit(&mut self, compute: &dyn Compute) {
         self.pairs = self.pairs.clone().for_device(compute.pair_device());
     }

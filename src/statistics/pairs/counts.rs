@@ -219,6 +219,10 @@ impl Group for Pairs {
         Effort { pairs: pairs_of(n), products: 0.0 }
     }
 
+    fn seconds(&self, _: f64) -> f64 {
+        self.plan.seconds()
+    }
+
     fn in_simulations(&self) -> Option<Self> {
         Some(self.clone())
     }

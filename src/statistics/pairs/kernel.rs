@@ -119,6 +119,10 @@ impl Group for Smoothed {
         self.plan.pairs = self.plan.pairs.clone().for_device(compute.pair_device());
     }
 
+    fn seconds(&self, _: f64) -> f64 {
+        self.plan.seconds()
+    }
+
     fn none(&self, by: ComputedBy) -> KernelSums {
         KernelSums::new(by, self.plan.r.len())
     }

@@ -172,6 +172,10 @@ impl Group for Waves {
         Effort { pairs: 0.0, products: n as f64 * self.plan.waves.len() as f64 }
     }
 
+    fn seconds(&self, n: f64) -> f64 {
+        self.plan.seconds(n)
+    }
+
     fn kept(&self, sums: &WavePower, wanted: &Self, sizes: &mut dyn Iterator<Item = u64>) -> Option<Kept<Self>> {
         if Group::identity(self) == Group::identity(wanted) {
             return Some(Kept { plan: wanted.clone(), sums: sums.clone(), rebinned: false });

@@ -94,6 +94,20 @@ impl Nufft {
         Ok(())
     }
 
+    /// The same, real and imaginary part apart.
+    pub(super) fn components(
+        &self,
+        points: &Nonuniform<'_>,
+        scratch: &mut Scratch,
+        pool: Option<&Pool>,
+        control: &Control,
+        out: &mut [[f64; 2]],
+    ) -> Result<()> {
+        self.run(points, scratch, pool, control, |s| [s.re, s.im], out)?;
+        out[self.grid.dc()] = [total(points), 0.0];
+        Ok(())
+    }
+
     /// `|s_m|^2` of every stored mode; else as `amplitudes`.
     pub fn power(
         &self,
