@@ -4,7 +4,8 @@
 use super::Domain;
 
 /// The distance between two positions along one axis, in steps; `period` 0 stands for 2^64. In a window (period 0) no
-/// distance exceeds half of 2^64, so the minimum image is the plain difference.
+/// distance exceeds half of 2^64, so the minimum image is the plain difference (but that of two ends of a longest side which f64
+/// rounds down, 2^-52 of it short).
 pub fn minimum_image(a: u64, b: u64, period: u64) -> u64 {
     let difference = if a >= b { a - b } else { a.wrapping_sub(b).wrapping_add(period) };
     difference.min(period.wrapping_sub(difference))
@@ -22,7 +23,7 @@ pub fn squared_distance(axes: &[&[u64]], periods: [u64; 3], i: usize, j: usize) 
 
 /// The distance of point `i` from the border of the window, in steps.
 pub fn border_distance(axes: &[&[u64]], sides: [u64; 3], i: usize) -> u64 {
-    axes.iter().zip(sides).map(|(axis, side)| axis[i].min(side - axis[i])).min().unwrap_or(0)
+    axes.iter().zip(sides).map(|(axis, side)| axis[i].min(side.saturating_sub(axis[i]))).min().unwrap_or(0)
 }
 
 /// The number of bins whose upper edge is at most `distance`.

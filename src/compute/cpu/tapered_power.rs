@@ -1,7 +1,7 @@
 //! Tapered spectra: every taper is a spectrum of weighted points. Formula: see `reference`.
 
 use super::Cpu;
-use super::wave_power::amplitudes;
+use super::wave_power::{WavePoints, amplitudes};
 use crate::accumulate::WavePower;
 use crate::compute::Compute;
 use crate::control::Control;
@@ -22,16 +22,18 @@ pub(super) fn tapered_power(
     let mut sums = WavePower::new(cpu.computed_by(), plan.waves.len(), &plan.rings);
     let mut of_taper = vec![[0.0; 2]; plan.waves.len()];
     for k in 0..ensemble.realizations() {
-        let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+        let points = WavePoints::of(ensemble, k, &plan.waves);
+        let weights = points.weights;
         // s_0 without a taper, which is what the transform of the window is multiplied with.
         let total: f64 = weights.map_or(ensemble.points_in(k) as f64, |w| w.iter().sum());
         let mut power = vec![0.0; plan.waves.len()];
         for &orders in &tapers {
-            let mut tapered: Vec<f64> = (0..ensemble.points_in(k)).map(|j| taper.value(orders, &axes, j)).collect();
+            let mut tapered: Vec<f64> =
+                (0..ensemble.points_in(k)).map(|j| taper.value(orders, &points.axes, j)).collect();
             if let Some(weights) = weights {
                 tapered.iter_mut().zip(weights).for_each(|(t, w)| *t *= w);
             }
-            amplitudes(cpu, &plan.waves, &axes, Some(&tapered), &mut of_taper, control)?;
+            amplitudes(cpu, &plan.waves, &points.weighted(&tapered), &mut of_taper, control)?;
             let mean = |m: usize| taper.transform(orders, plan.waves.vector(m), dim).map(|f| total * f);
             let modes = power.iter_mut().zip(&of_taper);
             match taper.debias {
