@@ -153,12 +153,15 @@ impl Domain {
     }
 
     /// Period of each axis in fixed-point steps of `length_unit() / 2^64`; 0 stands for 2^64 (the natural wrap of a
-    /// u64). A shorter side of a torus is rounded to the nearest step: it is off by at most 2^-65 of the longest.
+    /// u64). A shorter side of a torus is its quotient by the longest as f64 has it, off by at most 2^-53 of itself; such
+    /// periods are even, so that half a period is a whole number of steps.
     pub fn periods(&self) -> [u64; 3] {
         let mut periods = [0; 3];
         if self.is_torus() {
             for (p, &side) in periods.iter_mut().zip(&self.sides) {
-                *p = steps([side, 0.0], self.length_unit()) as u64;
+                let ratio = side / self.length_unit();
+                // f64 -> u128 is exact here: 2^64 * ratio has at most 53 significant bits and is at least 2^44.
+                *p = if ratio == 1.0 { 0 } else { (ratio * 2f64.powi(64)) as u128 as u64 };
             }
         }
         periods

@@ -267,13 +267,21 @@ fn isotropic_weights_by_hand() {
         // Two such sides in a corner: each a third, and what they share once: from the corner's quadrant nothing is left,
         // from its neighbours 1/12 each, and 1/4.
         ([0.1, 0.1], [0.3, 0.1], 12.0 / 5.0),
-        // Next to nothing is left: the cap.
-        ([0.0, 0.0], [1.0, 1.0], 100.0),
         // The same place twice.
         ([0.0, 0.0], [0.0, 0.0], 1.0),
     ] {
         let found = isotropic(&square, &a, &b);
         assert!(near(found, expected), "{a:?} to {b:?}: {found}, expected {expected}");
+    }
+    // Nothing caps it. In the middle of a strip both ends of the circle keep 2 asin(b / 2r).
+    let strip = Domain::window(&[(0.0, 3000.0), (0.0, 10.0)]).unwrap();
+    let expected = std::f64::consts::TAU / (4.0 * (5.0f64 / 750.0).asin());
+    assert!(near(isotropic(&strip, &[1500.0, 5.0], &[2250.0, 5.0]), expected) && expected > 235.0);
+    // About the middle of the square, e short of a corner along both axes, each quarter keeps 4 e of a turn of 2 pi.
+    for bits in [10, 20, 26] {
+        let e = 2f64.powi(-bits);
+        let found = isotropic(&square, &[0.5, 0.5], &[1.0 - e, 1.0 - e]) * 16.0 * e / std::f64::consts::TAU;
+        assert!((found - 1.0).abs() < 4.0 * e + 1e-9, "2^-{bits}: {found}");
     }
     let line = Domain::window(&[(-1.0, 3.0)]).unwrap();
     for (a, b, expected) in [(0.0, 0.5, 1.0), (0.0, 1.0, 1.0), (0.0, 1.5, 2.0), (-1.0, 0.0, 2.0), (1.0, 3.0, 1.0)] {
@@ -293,6 +301,43 @@ fn isotropic_weights_by_hand() {
         let expected = 1e5 / (0..100_000).filter(inside).count() as f64;
         let found = isotropic(&window, &a, &b);
         assert!((found / expected - 1.0).abs() < 1e-4 * expected, "{a:?} to {b:?}: {found}, not {expected}");
+    }
+}
+
+/// No isotropic weight is above what the plan says, and some come near it.
+#[test]
+fn isotropic_weights_keep_their_bound() {
+    let mut rng = Rng(21);
+    for (ranges, r) in [
+        ([(0.0, 1.0), (0.0, 1.0)], 0.3),
+        ([(0.0, 1.0), (0.0, 1.0)], 0.5),
+        ([(0.0, 1.0), (0.0, 1.0)], 0.6),
+        ([(0.0, 1.0), (0.0, 1.0)], 0.7),
+        ([(0.0, 1.5), (0.0, 1.0)], 0.74),
+        ([(0.0, 1.5), (0.0, 1.0)], 0.85),
+        ([(-1.0, 2.0), (0.0, 0.01)], 0.007),
+        ([(-1.0, 2.0), (0.0, 0.01)], 1.2),
+    ] {
+        let window = Domain::window(&ranges).unwrap();
+        let some = ensemble_in(&window, &[uniform(2, 2, 1)]);
+        let plan = pair_plan(&some, RadialBins::linear(r, 1).unwrap(), Correction::Isotropic);
+        let (mut largest, bound) = (0.0f64, plan.largest_isotropic());
+        // Pairs about the middle, a corner and the middle of each side, at the longest distance and in every direction.
+        for _ in 0..20_000 {
+            let at = |k: usize, u: f64| ranges[k].0 + u * (ranges[k].1 - ranges[k].0);
+            let near = |u: f64, rng: &mut Rng| (u + 1e-3 * (rng.unit() - 0.5)).clamp(0.0, 1.0);
+            let places = [0.0, 0.5, 1.0].map(|u| near(u, &mut rng));
+            let a = [0, 1].map(|k| at(k, places[rng.bits() as usize % 3]));
+            let y = at(1, [rng.unit(), near(1.0, &mut rng), near(0.0, &mut rng)][rng.bits() as usize % 3]);
+            let x = a[0] + (r * r - (y - a[1]).powi(2)).sqrt() * [1.0, -1.0][rng.bits() as usize % 2];
+            // Written so that NaN fails.
+            if (ranges[0].0..=ranges[0].1).contains(&x) {
+                largest = largest.max(isotropic(&window, &a, &[x, y]));
+            }
+        }
+        assert!(largest <= bound * (1.0 + 1e-9), "{ranges:?}, r = {r}: {largest}, bound {bound}");
+        // The bound for long distances takes one quarter of four.
+        assert!(largest >= 0.2 * bound, "{ranges:?}, r = {r}: {largest}, bound {bound}");
     }
 }
 

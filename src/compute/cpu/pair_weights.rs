@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
-use crate::plan::{Correction, MAX_ISOTROPIC, PairPlan};
+use crate::plan::{Correction, PairPlan};
 use crate::points::UNIT_MASS;
 use crate::points::geometry;
 
@@ -102,18 +102,29 @@ impl<'a> PairWeights<'a> {
             // One of two ends is inside.
             _ => return 2 << 32,
         };
-        let cut = |d: u64| {
-            let d2 = u128::from(d) * u128::from(d);
-            if d2 >= r2 { 0.0 } else { libm::atan2(((r2 - d2) as f64).sqrt(), d as f64) }
+        // Squared, the distance to a side and the half chord that it cuts out.
+        let side = |d: u64| {
+            let d2 = (u128::from(d) * u128::from(d)).min(r2);
+            (d2, (d2 as f64).sqrt(), ((r2 - d2) as f64).sqrt())
         };
-        let (xs, ys) = ([x, self.side_steps[0] - x].map(cut), [y, self.side_steps[1] - y].map(cut));
+        let r2_rounded = r2 as f64;
+        let (xs, ys) =
+            ([x, self.side_steps[0].saturating_sub(x)].map(side), [y, self.side_steps[1].saturating_sub(y)].map(side));
         let mut inside = 0.0;
-        for x in xs {
-            for y in ys {
-                inside += (FRAC_PI_2 - x - y).max(0.0);
+        for (a2, a, chord_a) in xs {
+            for (b2, b, chord_b) in ys {
+                if let Some(beyond) = a2.checked_sub(r2 - b2) {
+                    let across = (a * b + chord_a * chord_b) * (chord_a * b + a * chord_b);
+                    // A quarter that no side cuts is one.
+                    inside += if chord_a + chord_b == 0.0 {
+                        FRAC_PI_2
+                    } else {
+                        libm::atan2(beyond as f64 * r2_rounded, across)
+                    };
+                }
             }
         }
-        ((TAU / inside).min(MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
+        (TAU / inside * WEIGHT_STEPS).round_ties_even() as u64
     }
 }
 
