@@ -164,6 +164,11 @@ impl PairPlan {
         TAU / inside
     }
 
+    /// Steps to a unit of the weights that are summed.
+    pub fn weight_steps(&self) -> f64 {
+        2f64.powi(if self.masses { 64 } else { 32 })
+    }
+
     /// Whether pairs are also counted from points deep inside the window.
     pub fn border(&self) -> bool {
         self.correction == Correction::Border
@@ -294,7 +299,7 @@ impl fmt::Display for PairPlan {
         }
 
         if self.masses {
-            writeln!(f, "  weights of points in steps of 2^-24 of a power of two")?;
+            writeln!(f, "  products of weights of points in steps of 2^-64 of the largest weight squared")?;
         }
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),

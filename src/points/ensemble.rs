@@ -35,14 +35,12 @@ pub struct Ensemble {
     /// The weight of each point, scaled by a power of two so that the largest magnitude is in (1/2, 1]; `None` where every
     /// point weighs 1.
     weights: Option<Vec<f64>>,
-    /// The same in steps of 2^-24, for pairs.
-    masses: Option<Vec<u32>>,
     /// The class of each point; `None` where there is only one.
     classes: Option<Vec<u32>>,
 }
 
-/// A point's weight of 1: weights are multiples of 2^-24.
-pub const UNIT_MASS: u32 = 1 << 24;
+/// Steps of float32 below this part of the distance of neighbours are not worth a word.
+const COARSE: f64 = 1e-3;
 
 impl Ensemble {
     /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
@@ -91,15 +89,13 @@ impl Ensemble {
             lengths,
             coordinates: Some(coordinates),
             weights: None,
-            masses: None,
             classes: None,
         })
     }
 
     /// The same points with weights, one per point of all realizations: finite and not all 0. They are divided by the
     /// power of two at or above the largest magnitude, which drops out of all estimates. Spectra take them as they are, of
-    /// either sign; g and K, where weights are at least 0, as multiples of 2^-24, so that each is off by at most 2^-24 of
-    /// the largest.
+    /// either sign; g and K, where weights are at least 0, take products of two of them in steps of 2^-64.
     pub fn with_weights(self, weights: &[f64]) -> Self {
         let largest = weights.iter().fold(0.0, |l: f64, w| l.max(w.abs()));
         self.with_weights_of(weights, largest)
@@ -108,7 +104,6 @@ impl Ensemble {
     /// The same where `largest` is the largest magnitude in more realizations than these.
     pub(crate) fn with_weights_of(mut self, weights: &[f64], largest: f64) -> Self {
         let scaled: Vec<f64> = scaled(weights, largest).collect();
-        self.masses = Some(masses(&scaled));
         self.weights = Some(scaled);
         self
     }
@@ -135,7 +130,6 @@ impl Ensemble {
             lengths: self.lengths.as_ref().map(|l| cut(l, &kept)),
             coordinates: self.coordinates.as_ref().map(|c| cut(c, &kept)),
             weights: self.weights.as_ref().map(|w| kept.iter().map(|&j| w[j]).collect()),
-            masses: self.masses.as_ref().map(marks),
             classes: Some(marks(classes)),
         }
     }
@@ -203,12 +197,8 @@ impl Ensemble {
         pairs.map(move |(&f, &l)| if window && f == 0 && l > 1 { 1.0 } else { f as f64 * 2f64.powi(-64) })
     }
 
-    /// The weights of the points of realization `k`, in steps of 2^-24; `None` where every point weighs 1.
-    pub fn masses(&self, k: usize) -> Option<&[u32]> {
-        self.masses.as_ref().map(|m| &m[self.range(k)])
-    }
-
-    /// The same as numbers: the largest magnitude of all realizations is in (1/2, 1].
+    /// The weights of the points of realization `k`, the largest magnitude of all realizations in (1/2, 1]; `None` where every
+    /// point weighs 1.
     pub fn weights(&self, k: usize) -> Option<&[f64]> {
         self.weights.as_ref().map(|w| &w[self.range(k)])
     }
@@ -238,8 +228,7 @@ impl Ensemble {
         classes: Option<Vec<u32>>,
     ) -> Self {
         let offsets = vec![0, fractions[0].len()];
-        let masses = weights.as_deref().map(masses);
-        Self { domain, first_index: index, offsets, fractions, lengths, coordinates: None, weights, masses, classes }
+        Self { domain, first_index: index, offsets, fractions, lengths, coordinates: None, weights, classes }
     }
 
     /// Position of point `j` of realization `k` in the domain's own units.
@@ -264,7 +253,6 @@ impl Ensemble {
             lengths: self.lengths.as_ref().map(|l| cut(l, &points)),
             coordinates: self.coordinates.as_ref().map(|c| cut(c, &points)),
             weights: self.weights.as_ref().map(|w| w[points.clone()].to_vec()),
-            masses: self.masses.as_ref().map(|m| m[points.clone()].to_vec()),
             classes: self.classes.as_ref().map(|c| c[points.clone()].to_vec()),
         }
     }
@@ -280,6 +268,25 @@ impl Ensemble {
             axes.map(|(axis, period)| axis.iter().map(|&f| scale_to_period(f, period)).collect()).collect()
         });
         Self { domain: domain.clone(), lengths, coordinates: None, ..self.clone() }
+    }
+
+    /// The axes along which the points of realization `k` are all numbers of float32, coarse beside the mean distance of
+    /// neighbours among as many random points: each with the largest coordinate, the step there, and the distance.
+    pub fn coarse_axes(&self, k: usize) -> Vec<(usize, f64, f64, f64)> {
+        let Some(axes) = self.coordinates(k).filter(|_| self.points_in(k) > 1) else { return Vec::new() };
+        let dim = self.domain.dim();
+        let mean = [0.5, 0.5, 0.553_96][dim - 1];
+        let apart = mean * (self.domain.measure() / self.points_in(k) as f64).powf(1.0 / dim as f64);
+        let coarse = |(axis, x): (usize, &[f64])| {
+            let largest = x.iter().fold(0.0f64, |l, x| l.max(x.abs()));
+            // Of an f32 with 24 bits.
+            let step = 2f64.powi(libm::ilogb(largest).clamp(-126, 127) - 23);
+            let of_f32 = x.iter().all(|&x| f64::from(x as f32) == x);
+            // Whole numbers, or other steps that are not those of float32, are what was measured.
+            let finest = x.iter().any(|x| (x / (2.0 * step)).fract() != 0.0);
+            (step > COARSE * apart && of_f32 && finest).then_some((axis, largest, step, apart))
+        };
+        axes.into_iter().enumerate().filter_map(coarse).collect()
     }
 
     /// Number of points that coincide with an earlier point of the same realization: on a torus to 2^-64 of a side, in a
@@ -312,14 +319,9 @@ fn scaled(weights: &[f64], largest: f64) -> impl Iterator<Item = f64> {
     weights.iter().map(move |w| w / below * units)
 }
 
-/// Whether a weight is not negligible beside the largest magnitude, for pairs.
+/// Whether a weight is not negligible beside the largest magnitude, for pairs: their product is some steps of 2^-64.
 pub(crate) fn counts_in_pairs(weight: f64, largest: f64) -> bool {
-    masses(&scaled(&[weight], largest).collect::<Vec<_>>()).iter().any(|&mass| mass > 0)
-}
-
-/// Weights in steps of 2^-24.
-fn masses(weights: &[f64]) -> Vec<u32> {
-    weights.iter().map(|w| (w.max(0.0) * f64::from(UNIT_MASS)).round_ties_even() as u32).collect()
+    scaled(&[weight], largest).any(|w| w >= 2f64.powi(-60))
 }
 
 /// The way of `x` from the origin, with what it is rounded by; folded once round on a torus where `wrap` says so, so that it

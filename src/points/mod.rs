@@ -9,8 +9,8 @@ mod shape;
 pub mod write;
 
 pub use domain::{Boundary, Domain};
+pub use ensemble::Ensemble;
 pub(crate) use ensemble::counts_in_pairs;
-pub use ensemble::{Ensemble, UNIT_MASS};
 pub(crate) use fixed_point::{mantissa_exponent, round32};
 pub use shape::EnsembleShape;
 

@@ -5,7 +5,6 @@ use crate::common::*;
 use pairwave::compute::reference::isotropic_weight;
 use pairwave::estimate::{KFunction, Normalization, PairCorrelation, PowerSpectrum, VectorCorrelation};
 use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, WaveGrid};
-use pairwave::points::geometry::weighted_pair;
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {
@@ -369,11 +368,6 @@ fn border_correction_by_hand() {
 
 #[test]
 fn weighted_points_by_hand() {
-    let (one, half) = (1 << 24, 1 << 23);
-    assert_eq!(weighted_pair([one, one], 3 << 32), 3 << 32);
-    assert_eq!(weighted_pair([one, half], 1 << 32), 1 << 31);
-    assert_eq!(weighted_pair([1 << 7, 1 << 8], 1 << 32), 1, "half a step goes up");
-    assert_eq!(weighted_pair([1 << 7, (1 << 8) - 1], 1 << 32), 0);
     // Weights 3, 1 and 0 of three points, in units of 4.
     let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
     let points = [raw(2, vec![0.5, 0.5, 1.0, 0.75, 1.0, 0.75])];
@@ -386,7 +380,7 @@ fn weighted_points_by_hand() {
         assert_eq!(sums.counts, [2, 4], "counts are of points");
         assert!((sums.sum(1) - 2.0 * 3.0 / 16.0 * weight).abs() < 1e-9);
         assert_eq!(sums.bins.sums[0], 0);
-        let norms = sums.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(48));
+        let norms = sums.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(64));
         assert_eq!(norms, [(16.0 - 10.0) / 16.0, 1.0], "(sum u)^2 - sum u^2, and (sum u)^2");
         let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
         let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
@@ -394,7 +388,41 @@ fn weighted_points_by_hand() {
     }
     // A largest weight that is a power of two is exactly 1.
     let powers = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[0.25, 0.125, 1e-9]);
-    assert_eq!(powers.masses(0).unwrap(), [one, half, 0]);
+    assert_eq!(powers.weights(0).unwrap(), [1.0, 0.5, 4e-9]);
+}
+
+/// A heavy point among light ones: g in plain f64 from coordinates and weights, over all spreads that are promised.
+#[test]
+fn light_points_count_beside_a_heavy_one() {
+    let points = uniform(2, 60, 77);
+    let ensemble = ensemble(std::slice::from_ref(&points));
+    for (light, within) in [(1.0, 1e-12), (1e-5, 1e-12), (1e-9, 1e-7), (1e-15, 1e-2)] {
+        let weights: Vec<f64> =
+            (0..60).map(|j| if j == 7 { 1.0 } else { light * (1.0 + 0.1 * f64::from(j)) }).collect();
+        let weighted = ensemble.clone().with_weights(&weights);
+        let settings = PairSettings { masses: true, ..Correction::None.into() };
+        let bins = RadialBins::linear(0.4, 4).unwrap();
+        let plan = PairPlan::new(weighted.domain(), bins, settings, shape(&weighted)).unwrap();
+        let g = PairCorrelation::new(&plan, &reference_counts(&plan, &weighted), Normalization::Pairs);
+        let (mut sums, mut all) = ([0.0; 4], 0.0);
+        for i in 0..60 {
+            for j in (0..60).filter(|&j| j != i) {
+                let away = |k: usize| {
+                    let d = (points.coordinates[2 * i + k] - points.coordinates[2 * j + k]).abs();
+                    d.min(1.0 - d)
+                };
+                all += weights[i] * weights[j];
+                if let Some(sum) = sums.get_mut((away(0).hypot(away(1)) / 0.1) as usize) {
+                    *sum += weights[i] * weights[j];
+                }
+            }
+        }
+        for (b, sum) in sums.iter().enumerate() {
+            let ring = std::f64::consts::PI * 0.01 * (2.0 * b as f64 + 1.0);
+            let off = (g.g[b] - sum / (all * ring)).abs();
+            assert!(off < within, "light {light:e}, bin {b}: {} is off by {off:e}", g.g[b]);
+        }
+    }
 }
 
 /// Pairs per cell of lags of one set of points, by the reference.

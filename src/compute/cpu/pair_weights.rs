@@ -6,7 +6,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::plan::{Correction, PairPlan};
-use crate::points::UNIT_MASS;
 use crate::points::geometry;
 
 /// What the pairs of one realization need to know about its points beside where they are.
@@ -14,25 +13,23 @@ pub(super) struct PointData<'a> {
     /// With border correction, the number of bins whose upper edge is at most the distance of the point from the border.
     depths: Vec<u32>,
     /// Weights of the points, where the plan takes them into account.
-    masses: Option<Cow<'a, [u32]>>,
+    masses: Option<Cow<'a, [f64]>>,
 }
 
 impl<'a> PointData<'a> {
     /// Of points at `axes` with weights `masses`.
-    pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [u32]>) -> Self {
+    pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [f64]>) -> Self {
         let sides = plan.domain.side_steps();
         let depth = |j| geometry::depth(&plan.thresholds, geometry::border_distance(axes, sides, j)) as u32;
         let depths = if plan.border() { (0..axes[0].len()).map(depth).collect() } else { Vec::new() };
-        let unit = || Cow::Owned(vec![UNIT_MASS; axes[0].len()]);
+        let unit = || Cow::Owned(vec![1.0; axes[0].len()]);
         let masses = plan.masses.then(|| masses.map_or_else(unit, Cow::Borrowed));
         Self { depths, masses }
     }
 
-    /// `(sum u)^2` and `sum u^2`, in steps of 2^-48.
+    /// What the weights are compared with.
     pub(super) fn mass_sums(&self) -> Option<[u128; 2]> {
-        let masses = self.masses.as_ref()?;
-        let sum: u128 = masses.iter().map(|&u| u128::from(u)).sum();
-        Some([sum * sum, masses.iter().map(|&u| u128::from(u) * u128::from(u)).sum()])
+        self.masses.as_deref().map(geometry::mass_sums)
     }
 }
 
@@ -55,11 +52,11 @@ impl<'a> PairWeights<'a> {
         Self { axes, data, correction: plan.correction, sides, side_steps: plan.domain.side_steps() }
     }
 
-    /// The weights of (i, j) and of (j, i), added.
+    /// The weights of (i, j) and of (j, i), added: in steps of 2^-32, with weights of points 2^-64.
     #[inline(always)]
     pub(super) fn both(&self, i: usize, j: usize) -> u128 {
         let product = |w: u64| match &self.data.masses {
-            Some(masses) => u128::from(geometry::weighted_pair([masses[i], masses[j]], w)),
+            Some(masses) => geometry::weighted_pair([masses[i], masses[j]], w),
             None => u128::from(w),
         };
         match self.correction {

@@ -47,7 +47,7 @@ impl Compute for Reference {
         at_once(|| {
             let mut sums = PairCounts::new(self.computed_by(), plan);
             for k in 0..ensemble.realizations() {
-                sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.masses(k), control)?);
+                sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.weights(k), control)?);
             }
             Ok(sums)
         })
@@ -98,7 +98,7 @@ impl Compute for Reference {
         at_once(|| {
             let mut sums = KernelSums::new(self.computed_by(), plan.r.len());
             for k in 0..ensemble.realizations() {
-                let curve = kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.masses(k), control)?;
+                let curve = kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.weights(k), control)?;
                 sums.add(ensemble.first_index() + k as u64, &curve);
             }
             sums.close_leaf();

@@ -22,7 +22,8 @@
 //! Points with weights `u` count `u_i u_j w`.
 //!
 //! Coordinates are integers in steps of `length_unit / 2^64`. Squared distances are compared with integer thresholds in
-//! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32.
+//! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32, and with weights of points an
+//! f64 product rounded to steps of 2^-64.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +32,7 @@ use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Correction, PairPlan};
 use crate::points::geometry::{border_distance, depth, squared_distance, weighted_pair};
-use crate::points::{Domain, UNIT_MASS};
+use crate::points::{Domain, geometry};
 
 /// The translation weight `prod_k a_k / (a_k - |h_k|)` of a pair in steps of 2^-32, rounded to nearest; `a_k` and `h_k`
 /// in units of the domain's length unit. Plans keep `r_max` below the window's shortest side, so `h_k < a_k` for
@@ -85,30 +86,28 @@ pub fn isotropic_weight(axes: &[&[u64]], sides: [u64; 3], i: usize, j: usize) ->
     (TAU / inside * WEIGHT_STEPS).round_ties_even() as u64
 }
 
-/// The weight of the ordered pair (i, j) in steps of 2^-32: that of its edge correction, times those of its points, where the
-/// plan takes them into account.
-pub(super) fn pair_weight(plan: &PairPlan, axes: &[&[u64]], masses: Option<&[u32]>, i: usize, j: usize) -> u64 {
+/// The weight of the ordered pair (i, j), that of its edge correction, in steps of 2^-32; times those of its points, where the
+/// plan takes them into account, in steps of 2^-64.
+pub(super) fn pair_weight(plan: &PairPlan, axes: &[&[u64]], masses: Option<&[f64]>, i: usize, j: usize) -> u128 {
     let edge = match plan.correction {
         Correction::None | Correction::Border => 1 << 32,
         Correction::Translation => translation_weight(axes, &plan.domain, i, j),
         Correction::Isotropic => isotropic_weight(axes, plan.domain.side_steps(), i, j),
     };
-    let mass = |j: usize| masses.map_or(UNIT_MASS, |m| m[j]);
-    if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { edge }
+    let mass = |j: usize| masses.map_or(1.0, |m| m[j]);
+    if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { u128::from(edge) }
 }
 
-/// `(sum u)^2` and `sum u^2` over `n` points of weights u, in steps of 2^-48.
-pub(super) fn mass_sums(n: usize, masses: Option<&[u32]>) -> [u128; 2] {
-    let mass = |j: usize| u128::from(masses.map_or(UNIT_MASS, |m| m[j]));
-    let sum: u128 = (0..n).map(mass).sum();
-    [sum * sum, (0..n).map(|j| mass(j).pow(2)).sum()]
+/// What weights are compared with, of `n` points.
+pub(super) fn mass_sums(n: usize, masses: Option<&[f64]>) -> [u128; 2] {
+    masses.map_or_else(|| geometry::mass_sums(&vec![1.0; n]), geometry::mass_sums)
 }
 
 /// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`, `masses[j]` its weight.
 pub(super) fn pair_counts(
     plan: &PairPlan,
     axes: &[&[u64]],
-    masses: Option<&[u32]>,
+    masses: Option<&[f64]>,
     control: &Control,
 ) -> Result<PairHistogram> {
     let n = axes[0].len();
@@ -140,7 +139,7 @@ pub(super) fn pair_counts(
             let bin = edges_below - 1;
             counts[bin] += 1;
             if let Some(weights) = &mut weights {
-                weights[bin] += u128::from(pair_weight(plan, axes, masses, i, j));
+                weights[bin] += pair_weight(plan, axes, masses, i, j);
             }
             if let Some(border) = border.as_mut().filter(|_| depth > bin) {
                 border.counts[bin] += 1;
