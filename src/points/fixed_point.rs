@@ -67,7 +67,7 @@ mod tests {
         assert_eq!(steps([3.0, 0.0], 3.0), all);
         assert_eq!(steps([1.0, 0.0], 3.0), all / 3, "2^64 / 3 = ...5.33");
         assert_eq!(steps([2.0, 0.0], 3.0), 2 * all / 3 + 1, "...10.67");
-        assert_eq!(steps([5.0, 0.0], 6.0), 5 * all / 6 + 1, "...13.33 and 1/2");
+        assert_eq!(steps([5.0, 0.0], 6.0), 5 * all / 6, "...13.33");
         // A step of 10 is 10 / 2^64: half of it, and one and a half, go to even numbers.
         assert_eq!(steps([5.0 / 2f64.powi(64), 0.0], 10.0), 0);
         assert_eq!(steps([15.0 / 2f64.powi(64), 0.0], 10.0), 2);
