@@ -8,8 +8,9 @@
 // where nothing cancels but integers.
 
 const WEIGHTS_TURN: f32 = 6.2831855;
-// The largest weight.
-const WEIGHTS_CAP: f32 = 100.0;
+// No plan that runs here has weights above 512 (pair_limit and LEAST_PAIRS in src/compute/gpu/pair_specs.rs); this only keeps the
+// conversion to integers in its range.
+const WEIGHTS_MOST: f32 = 1024.0;
 
 // atan2 of two numbers that are at least 0 and not both 0; relative error below 3e-7 (polynomial: Cephes, S. L. Moshier).
 fn weights_angle(y: f32, x: f32) -> f32 {
@@ -81,7 +82,7 @@ fn weights_excess(i: u32, r2: vec4<u32>) -> f32 {
     let up = weights_side(wide_sub(vec2<u32>(params.side_low.y, params.side_high.y), y), r2);
     let angle = (weights_corner(left, down, r2) + weights_corner(right, up, r2))
         + (weights_corner(left, up, r2) + weights_corner(right, down, r2));
-    return clamp(WEIGHTS_TURN / max(angle, WEIGHTS_TURN / (2.0 * WEIGHTS_CAP)) - 1.0, 0.0, WEIGHTS_CAP - 1.0);
+    return clamp(WEIGHTS_TURN / max(angle, WEIGHTS_TURN / WEIGHTS_MOST) - 1.0, 0.0, WEIGHTS_MOST);
 }
 
 fn weights_add(bin: u32, i: u32, p: vec3<u32>, j: u32, q: vec3<u32>, lane: u32, first_word: u32) {

@@ -14,11 +14,12 @@ pub struct PairHistogram {
     pub n: u64,
     /// Ordered pairs per bin.
     pub counts: Vec<u64>,
-    /// Sum over the same pairs of their weight, in steps of 2^-32; `None` where every pair weighs 1.
+    /// Sum over the same pairs of their weight, in steps of 2^-32, where points have weights 2^-64; `None` where every pair weighs 1.
     pub weights: Option<Vec<u128>>,
     /// Pairs seen from points deep inside the window, for the border correction.
     pub border: Option<BorderHistogram>,
-    /// `(sum u)^2` and `sum u^2` over the weights `u` of the points, in steps of 2^-48; `None` where every point weighs 1.
+    /// `sum_(i != j) u_i u_j` and `(sum u)^2` over the weights `u` of the points, in steps of 2^-64; `None` where every point
+    /// weighs 1.
     pub masses: Option<[u128; 2]>,
 }
 
@@ -79,7 +80,7 @@ impl PairHistogram {
 
     /// `norms` without border correction, in units of 1.
     pub(crate) fn unit_norms(n: u64, masses: Option<[u128; 2]>) -> [f64; 2] {
-        let unit = if masses.is_some() { 2f64.powi(-48) } else { 1.0 };
+        let unit = if masses.is_some() { 2f64.powi(-64) } else { 1.0 };
         Self { masses, ..Self::new(n, Vec::new(), None) }.norms(0).map(|norm| norm as f64 * unit)
     }
 
@@ -89,7 +90,7 @@ impl PairHistogram {
         match (&self.border, self.masses) {
             // As usual for this correction, lambda is estimated apart from the pairs, by n / |D|.
             (Some(border), _) => [u128::from(border.points[bin]) * n; 2],
-            (None, Some([squared, squares])) => [squared - squares, squared],
+            (None, Some(both)) => both,
             (None, None) => [n * n.saturating_sub(1), n * n],
         }
     }
@@ -139,7 +140,7 @@ impl Steps {
 
     fn new(plan: &PairPlan) -> Self {
         match (plan.weighted(), plan.masses) {
-            (_, true) => Self { sum_bits: 32, norm_bits: 48, moment_bits: [16, 16] },
+            (_, true) => Self { sum_bits: 64, norm_bits: 64, moment_bits: [16, 16] },
             (true, false) => Self { sum_bits: 32, norm_bits: 0, moment_bits: [16, 0] },
             (false, false) => Self::ONE,
         }
@@ -250,19 +251,20 @@ impl PairCounts {
     }
 
     /// Adds one realization of the pairs between two classes of points, in both orders: what is counted in `both` together
-    /// beyond each alone, compared with `N = (n_A + n_B)^2 - n_A^2 - n_B^2 = 2 n_A n_B` by either normalization (and so
-    /// with what stands for it: weights, or points seen from deep inside). All three hold the same single realization.
+    /// beyond each alone, compared with `N = n (n - 1) - n_A (n_A - 1) - n_B (n_B - 1) = 2 n_A n_B`, n = n_A + n_B, by either
+    /// normalization (and so with what stands for it: weights, or points seen from deep inside). All three hold the same single realization.
     pub fn add_between(&mut self, both: &Self, a: &Self, b: &Self) {
         self.computed_by = self.computed_by.merge(&both.computed_by);
         self.realizations += 1;
         for (bin, sum) in self.counts.iter_mut().enumerate() {
             *sum += both.counts[bin] - a.counts[bin] - b.counts[bin];
         }
-        let square = |of: &Self, bin: usize| of.bins.norm(bin)[1].sum;
+        let pairs = |of: &Self, bin: usize| of.bins.norm(bin)[0].sum;
         self.bins.add_values(
             self.steps,
             |bin| both.bins.sums[bin] - a.bins.sums[bin] - b.bins.sums[bin],
-            |bin| [square(both, bin) - square(a, bin) - square(b, bin); 2],
+            // Each is rounded where points have weights.
+            |bin| [pairs(both, bin).saturating_sub(pairs(a, bin) + pairs(b, bin)); 2],
         );
     }
 

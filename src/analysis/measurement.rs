@@ -288,6 +288,15 @@ impl Measurement {
                 false => batch.slice(first..last + 1).duplicates(),
             };
         }
+        if start == 0 && new.first() == Some(&0) {
+            for (axis, largest, step, apart) in batch.coarse_axes(0) {
+                self.warnings.push(format!(
+                    "{} comes in steps of {step}, those of float32 at {largest}, beside a mean distance of about {apart:.3} between \
+                     neighbours: take the offset off before coordinates are stored, or store them in float64",
+                    ["x", "y", "z"][axis]
+                ));
+            }
+        }
         for k in new {
             self.sizes.insert(start + k as u64, batch.points_in(k) as u64);
         }

@@ -127,6 +127,10 @@ impl Measurement {
         out.value("boundary", domain.boundary().name());
         out.f64s("origin", domain.origin().iter().copied());
         out.f64s("sides", domain.sides().iter().copied());
+        // Only where there are any: files of tori and of most windows stay as they were.
+        if domain.rests().iter().any(|&rest| rest != 0.0) {
+            out.f64s("rests", domain.rests().iter().copied());
+        }
         let (edges, frequencies) = self.plan.lists.read();
         out.value("lists", json!({ "edges": edges.is_some(), "frequencies": frequencies.map(|f| f.mirrored) }));
         out.f64s("edges", edges.into_iter().flatten().copied());
@@ -157,7 +161,9 @@ impl Measurement {
         let mut from = Decoder::new(place, bytes)?;
         let request = read_request(&from)?;
         let boundary: Boundary = from.read("boundary")?;
-        let domain = Domain::from_numbers(boundary, from.f64s("origin")?, from.f64s("sides")?)
+        let sides = from.f64s("sides")?;
+        let rests = if from.has("rests") { from.f64s("rests")? } else { vec![0.0; sides.len()] };
+        let domain = Domain::from_numbers(boundary, from.f64s("origin")?, sides, rests)
             .map_err(|e| from.error(e.to_string()))?;
         let [realizations, mean_points, max_points]: [u64; 3] = from.read("shape")?;
         let shape = EnsembleShape { realizations, mean_points: f64::from_bits(mean_points), max_points };

@@ -18,6 +18,8 @@ named!(Accuracy: Fast = "fast", High = "high");
 
 /// What an accuracy level promises about `P(m)` against the reference, for points given as 64-bit fractions and any
 /// `|m|` up to `MAX_FREQUENCY` (tested to 65,536).
+/// The fraction of a coordinate is off by at most 2^-65, which the reference, taking phases from coordinates, does not share:
+/// |m| 2^-65 of a turn on top of that, far below the promise at such |m| (docs/limits.md).
 ///
 /// Errors of scattered points cancel; points that repeat coordinates err alike, and their errors add up like the points
 /// themselves: P is then off by a share of `1 + P` that grows as the square root of n.

@@ -59,7 +59,7 @@ pub struct KernelPlan {
 pub(super) fn longest_distance(domain: &Domain, correction: Correction) -> f64 {
     match correction {
         _ if domain.is_torus() => 0.5 * domain.shortest_side(),
-        Correction::Isotropic => domain.half_diagonal(),
+        Correction::Isotropic => super::nearly_half_diagonal(domain),
         _ => (1.0 - 1e-6) * domain.shortest_side(),
     }
 }

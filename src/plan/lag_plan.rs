@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use super::radial_bins::mantissa_exponent;
 use super::{Batch, Correction, EnsembleShape};
 use crate::error::{Error, Result, number, numbers};
-use crate::points::Domain;
+use crate::points::{Domain, mantissa_exponent};
 use crate::setting::Setting;
 
 /// Most bins per axis.

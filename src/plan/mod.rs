@@ -40,7 +40,8 @@ pub use lag_plan::{LagFilter, LagGrid, LagPlan, LagSector, MAX_LAG_BINS, MAX_LAG
 pub use neighbor_plan::{NeighborPlan, ProbeLattice};
 pub(crate) use nufft_sizes::kernel_lanes;
 pub use nufft_sizes::{MAX_KERNEL_WIDTH, NufftCosts, NufftSizes};
-pub use pair_plan::{Correction, MAX_ISOTROPIC, PairPlan, PairSettings};
+pub(crate) use pair_plan::nearly_half_diagonal;
+pub use pair_plan::{Correction, PairPlan, PairSettings};
 pub use pair_search::{PairDevice, PairSearch, SearchCosts, SearchEstimate};
 pub use radial_bins::{BinScale, MAX_BINS, RadialBins};
 pub use ring_directions::RING_DIRECTIONS_RULE;

@@ -72,9 +72,8 @@ impl ProbeLattice {
         let (mut counts, mut extents) = ([1; 3], [1; 3]);
         for (a, &side) in domain.sides().iter().enumerate() {
             counts[a] = prime_from((side / spacing).ceil() as u64);
-            let steps = side / domain.length_unit() * 2f64.powi(64);
             extents[a] = match domain.periods()[a] {
-                _ if !domain.is_torus() => steps as u128,
+                _ if !domain.is_torus() => u128::from(domain.side_steps()[a]),
                 0 => 1 << 64,
                 period => u128::from(period),
             };

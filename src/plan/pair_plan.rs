@@ -1,5 +1,6 @@
 //! The plan for pair counts.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
 use super::shell_measure::shell_measure;
@@ -39,9 +40,6 @@ pub struct PairSettings {
     /// Whether points have weights.
     pub masses: bool,
 }
-
-/// The largest weight of isotropic edge correction, as in spatstat.
-pub const MAX_ISOTROPIC: f64 = 100.0;
 
 impl From<Correction> for PairSettings {
     fn from(correction: Correction) -> Self {
@@ -144,6 +142,33 @@ impl PairPlan {
         self.masses || matches!(self.correction, Correction::Translation | Correction::Isotropic)
     }
 
+    /// The largest weight that isotropic edge correction may give a pair.
+    ///
+    /// With sides a >= b, at a distance r. Where r <= a/2, half of the circle at least looks away from the nearer short side;
+    /// with y the way to a long side it keeps `asin(min(1, y/r)) + asin(min(1, (b-y)/r))` of it, least at y = b/2 or y = 0.
+    /// Beyond, the quarter towards the farthest corner, at least a/2 and b/2 away, keeps
+    /// `asin(min(1, a/2r)) + asin(min(1, b/2r)) - pi/2`, which is above 0 up to half the diagonal. Both fall with r.
+    pub fn largest_isotropic(&self) -> f64 {
+        let r = self.bins.r_max();
+        let [a, b] = match *self.domain.sides() {
+            [x, y] => [f64::max(x, y), f64::min(x, y)],
+            // One of two ends.
+            _ => return 2.0,
+        };
+        let kept = |d: f64| (d / r).min(1.0).asin();
+        let inside = if r <= a / 2.0 {
+            FRAC_PI_2.min(2.0 * kept(b / 2.0))
+        } else {
+            (kept(a / 2.0) + kept(b / 2.0) - FRAC_PI_2).min(FRAC_PI_2)
+        };
+        TAU / inside
+    }
+
+    /// Steps to a unit of the weights that are summed.
+    pub fn weight_steps(&self) -> f64 {
+        2f64.powi(if self.masses { 64 } else { 32 })
+    }
+
     /// Whether pairs are also counted from points deep inside the window.
     pub fn border(&self) -> bool {
         self.correction == Correction::Border
@@ -186,6 +211,12 @@ impl PairPlan {
     }
 }
 
+/// The longest distance of isotropic edge correction. In the plane weights grow without bound towards half the diagonal: this far
+/// below they are at most 2^29.
+pub(crate) fn nearly_half_diagonal(domain: &Domain) -> f64 {
+    if domain.dim() == 1 { domain.half_diagonal() } else { domain.half_diagonal() * (1.0 - 1e-8) }
+}
+
 fn check_correction(domain: &Domain, correction: Correction, masses: bool) -> Result<()> {
     let reason = match correction {
         Correction::None => return Ok(()),
@@ -218,8 +249,10 @@ fn check_r_max(domain: &Domain, correction: Correction, beyond_half: bool, r_max
             ),
         ),
         (false, Correction::Isotropic) => (
-            r_max <= diagonal,
-            format!("expected at most half the diagonal of the window ({diagonal}): beyond, some points see no circle"),
+            r_max <= nearly_half_diagonal(domain),
+            format!(
+                "expected less than half the diagonal of the window ({diagonal}): there, some points see nothing of the circle"
+            ),
         ),
         (false, Correction::Border) => (
             r_max < side / 2.0,
@@ -272,11 +305,14 @@ impl fmt::Display for PairPlan {
         }
 
         if self.masses {
-            writeln!(f, "  weights of points in steps of 2^-24 of a power of two")?;
+            writeln!(f, "  products of weights of points in steps of 2^-64 of the largest weight squared")?;
         }
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
             Correction::Border => writeln!(f, "  border: pairs seen from points deeper inside than the distance"),
+            Correction::Isotropic => {
+                writeln!(f, "  isotropic weights up to {:.3}, in steps of 2^-32", self.largest_isotropic())
+            }
             weights => writeln!(f, "  {weights} weights in steps of 2^-32"),
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::named::named;
-use crate::points::Domain;
+use crate::points::{Domain, mantissa_exponent};
 use crate::setting::Setting;
 
 /// How bin edges are spaced.
@@ -190,14 +190,6 @@ fn squared_ratio_ceil(r: f64, unit: f64) -> Option<u128> {
         }
     }
     if remainder == 0 { Some(quotient) } else { quotient.checked_add(1) }
-}
-
-/// A positive finite `x` as `mantissa * 2^exponent`.
-pub(super) fn mantissa_exponent(x: f64) -> (u64, i32) {
-    let bits = x.to_bits();
-    let exponent = ((bits >> 52) & 0x7ff) as i32;
-    let fraction = bits & ((1 << 52) - 1);
-    if exponent == 0 { (fraction, -1074) } else { (fraction | (1 << 52), exponent - 1075) }
 }
 
 #[cfg(test)]

@@ -83,7 +83,7 @@ impl TaperPlan {
         along(0).flat_map(|p| along(1).flat_map(move |q| along(2).map(move |r| [p, q, r]))).collect()
     }
 
-    /// f of a point's fractions `u = axes[k][j] / 2^64`.
+    /// f of a point's fractions `u = axes[k][j] / 2^64`. f is 0 on both sides of a window, so it does not matter that 1 is 0.
     pub fn value(&self, orders: [usize; 3], axes: &[&[u64]], j: usize) -> f64 {
         let along = |(axis, p): (&&[u64], usize)| match self.taper {
             Taper::Bartlett => 1.0,
@@ -94,6 +94,15 @@ impl TaperPlan {
             }
         };
         axes.iter().zip(orders).map(along).product()
+    }
+
+    /// The same of fractions `u` as numbers.
+    pub fn value_at(&self, orders: [usize; 3], u: &[f64]) -> f64 {
+        let along = |(&u, p): (&f64, usize)| match self.taper {
+            Taper::Bartlett => 1.0,
+            Taper::Sine => std::f64::consts::SQRT_2 * sin_pi(u * p as f64),
+        };
+        u.iter().zip(orders).map(along).product()
     }
 
     /// `F(m) = prod_k integral_0^1 f(u) exp(-2 pi i m_k u) du`, real and imaginary part, m in cycles per side.

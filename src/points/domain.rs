@@ -1,5 +1,6 @@
 //! Where points live: a torus that wraps, or a rectangular window that does not.
 
+use super::fixed_point::{difference, steps};
 use crate::error::{Error, Result, numbers};
 use crate::named::named;
 use crate::setting::Setting;
@@ -23,12 +24,16 @@ pub struct Domain {
     boundary: Boundary,
     origin: Vec<f64>,
     sides: Vec<f64>,
+    /// What f64 drops of the sides of a window, the differences of its corners: no more than half of the last place. What is
+    /// at the upper corner is at the sum.
+    #[serde(skip)]
+    rests: Vec<f64>,
 }
 
 impl Domain {
     /// The unit torus `[0, 1)^dim`. `dim` is clamped to 1..=3 by the callers' checks.
     pub fn unit_torus(dim: usize) -> Self {
-        Self { boundary: Boundary::Torus, origin: vec![0.0; dim], sides: vec![1.0; dim] }
+        Self { boundary: Boundary::Torus, origin: vec![0.0; dim], sides: vec![1.0; dim], rests: vec![0.0; dim] }
     }
 
     /// A torus `[0, L_k)` with the given sides.
@@ -36,7 +41,8 @@ impl Domain {
     /// # Errors
     /// Sides that are not finite, too long, too short or too unequal; not 1 to 3 of them.
     pub fn torus(sides: &[f64]) -> Result<Self> {
-        Self::checked(Boundary::Torus, vec![0.0; sides.len()], sides.to_vec(), Setting::Sides, "L1,L2[,L3]")
+        let zeros = vec![0.0; sides.len()];
+        Self::checked(Boundary::Torus, zeros.clone(), sides.to_vec(), zeros, Setting::Sides, "L1,L2[,L3]")
     }
 
     /// A window given as `(low, high)` per axis.
@@ -45,11 +51,18 @@ impl Domain {
     /// As `torus`, of the sides of the window.
     pub fn window(ranges: &[(f64, f64)]) -> Result<Self> {
         let origin = ranges.iter().map(|r| r.0).collect();
-        let sides = ranges.iter().map(|r| r.1 - r.0).collect();
-        Self::checked(Boundary::Window, origin, sides, Setting::Window, "x0,x1,y0,y1[,z0,z1] with x0 < x1")
+        let [sides, rests] = [0, 1].map(|part| ranges.iter().map(|r| difference(r.1, r.0)[part]).collect());
+        Self::checked(Boundary::Window, origin, sides, rests, Setting::Window, "x0,x1,y0,y1[,z0,z1] with x0 < x1")
     }
 
-    fn checked(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>, setting: Setting, form: &str) -> Result<Self> {
+    fn checked(
+        boundary: Boundary,
+        origin: Vec<f64>,
+        sides: Vec<f64>,
+        rests: Vec<f64>,
+        setting: Setting,
+        form: &str,
+    ) -> Result<Self> {
         if !(1..=3).contains(&sides.len()) {
             let reason = format!("1, 2 or 3 axes are supported; expected {form}");
             return Err(Error::setting(setting, format!("{} axes", sides.len()), reason));
@@ -70,15 +83,19 @@ impl Domain {
             let reason = "the longest side may be at most 1e6 times the shortest";
             return Err(Error::setting(setting, typed(), reason));
         }
-        Ok(Self { boundary, origin, sides })
+        Ok(Self { boundary, origin, sides, rests })
     }
 
-    /// What `boundary`, `origin` and `sides` of another domain say.
-    pub(crate) fn from_numbers(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>) -> Result<Self> {
-        if origin.len() != sides.len() {
+    /// What `boundary`, `origin`, `sides` and `rests` of another domain say.
+    pub(crate) fn from_numbers(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>, rests: Vec<f64>) -> Result<Self> {
+        if origin.len() != sides.len() || rests.len() != sides.len() {
             return Err(Error::input("domain", "has another number of corners than of sides"));
         }
-        Self::checked(boundary, origin, sides, Setting::Sides, "1 to 3 numbers")
+        // Written so that NaN fails.
+        if !rests.iter().zip(&sides).all(|(rest, side)| side + rest == *side) {
+            return Err(Error::input("domain", "has sides that are no differences of corners"));
+        }
+        Self::checked(boundary, origin, sides, rests, Setting::Sides, "1 to 3 numbers")
     }
 
     /// Torus or window.
@@ -106,6 +123,11 @@ impl Domain {
         &self.sides
     }
 
+    /// What f64 drops of the sides of a window.
+    pub(crate) fn rests(&self) -> &[f64] {
+        &self.rests
+    }
+
     /// The shortest side.
     pub fn shortest_side(&self) -> f64 {
         min_of(&self.sides)
@@ -131,7 +153,8 @@ impl Domain {
     }
 
     /// Period of each axis in fixed-point steps of `length_unit() / 2^64`; 0 stands for 2^64 (the natural wrap of a
-    /// u64). A shorter side of a torus is rounded to the nearest step: relative error at most 2^-65 of the longest.
+    /// u64). A shorter side of a torus is its quotient by the longest as f64 has it, off by at most 2^-53 of itself; such
+    /// periods are even, so that half a period is a whole number of steps.
     pub fn periods(&self) -> [u64; 3] {
         let mut periods = [0; 3];
         if self.is_torus() {
@@ -144,14 +167,14 @@ impl Domain {
         periods
     }
 
-    /// Side of each axis in fixed-point steps of `length_unit() / 2^64`, rounded as positions are, so that no position in a
-    /// window is beyond it; 0 stands for 2^64, the longest side of a torus.
+    /// Side of each axis in fixed-point steps of `length_unit() / 2^64`, rounded to nearest; no position in a window is beyond
+    /// it. 0 stands for 2^64, the longest side of a torus.
     pub fn side_steps(&self) -> [u64; 3] {
-        let mut steps = [0; 3];
-        for (step, side) in steps.iter_mut().zip(&self.sides) {
-            *step = super::fixed_point::fixed_point(side / self.length_unit());
+        let mut sides = [0; 3];
+        for (steps_of, (&side, &rest)) in sides.iter_mut().zip(self.sides.iter().zip(&self.rests)) {
+            *steps_of = steps([side, rest], self.length_unit()) as u64;
         }
-        steps
+        sides
     }
 
     /// Half the diagonal: the longest distance on a torus, and the radius of the circle about a window.
@@ -163,11 +186,11 @@ impl Domain {
     /// its closed end; 1 on axes beyond the dimension.
     pub fn extents(&self) -> [u128; 3] {
         let mut extents = [1; 3];
-        for (k, &side) in self.sides.iter().enumerate() {
-            extents[k] = match (self.boundary, self.periods()[k]) {
+        for (k, extent) in extents.iter_mut().enumerate().take(self.dim()) {
+            *extent = match (self.boundary, self.periods()[k]) {
                 (Boundary::Torus, 0) => 1 << 64,
                 (Boundary::Torus, period) => u128::from(period),
-                (Boundary::Window, _) => u128::from(super::fixed_point::fixed_point(side / self.length_unit())) + 1,
+                (Boundary::Window, _) => u128::from(self.side_steps()[k]) + 1,
             };
         }
         extents

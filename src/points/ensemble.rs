@@ -2,18 +2,24 @@
 
 use rayon::prelude::*;
 
-use super::fixed_point::{fixed_point, scale_to_period};
+use super::fixed_point::{difference, scale_to_period, steps};
 use super::{Domain, EnsembleShape, RawPoints};
 use crate::error::{Error, Result, number};
 
 /// Realizations of one point process in one domain, as fixed-point fractions, checked once and never changed.
 ///
-/// Two integers stand for each coordinate `x` of axis `k`, both wrapping at 2^64:
-/// - the *fraction* `(x - origin_k) / side_k`, the argument of phases (`m . x mod 1` is exact for integer `m`);
+/// Two integers stand for each coordinate `x` of axis `k`:
+/// - the *fraction* `(x - origin_k) / side_k`, the argument of phases, wrapping at 2^64 (`m . x mod 1` is exact for integer
+///   `m`). The upper side of a window is the fraction 0, as 1 is for such m; `turns` tells them apart for any other;
 /// - the *length* `(x - origin_k) / length_unit`, the argument of distances (one step is the same length on every
-///   axis). They are the same integers on a cubic torus and are then stored once.
+///   axis). They are the same integers on a cubic torus and are then stored once. In a window no two places that are a step
+///   apart share one, up to and including both sides.
 ///
-/// Each is the nearest multiple of 2^-64 to the f64 quotient, so the error is at most 2^-65 + 2^-54 relative.
+/// Each is the multiple of 2^-64 nearest to the quotient of what is given, `x - origin` being taken without rounding; but
+/// lengths of a torus with unequal sides are those of the fraction, and off by at most one step.
+///
+/// Where points came as coordinates these are kept as they were given: the reference takes phases from them, not from
+/// integers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ensemble {
     domain: Domain,
@@ -24,17 +30,17 @@ pub struct Ensemble {
     fractions: Vec<Vec<u64>>,
     /// `None` on a cubic torus, where lengths are the fractions.
     lengths: Option<Vec<Vec<u64>>>,
+    /// Coordinates as they were given, per axis; `None` where points came as integers.
+    coordinates: Option<Vec<Vec<f64>>>,
     /// The weight of each point, scaled by a power of two so that the largest magnitude is in (1/2, 1]; `None` where every
     /// point weighs 1.
     weights: Option<Vec<f64>>,
-    /// The same in steps of 2^-24, for pairs.
-    masses: Option<Vec<u32>>,
     /// The class of each point; `None` where there is only one.
     classes: Option<Vec<u32>>,
 }
 
-/// A point's weight of 1: weights are multiples of 2^-24.
-pub const UNIT_MASS: u32 = 1 << 24;
+/// Steps of float32 below this part of the distance of neighbours are not worth a word.
+const COARSE: f64 = 1e-3;
 
 impl Ensemble {
     /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
@@ -48,8 +54,8 @@ impl Ensemble {
         let mut offsets = Vec::with_capacity(raw.len() + 1);
         offsets.push(0);
         let mut fractions = vec![Vec::with_capacity(total); dim];
-        let unit = domain.length_unit();
-        let periods = domain.periods();
+        let mut coordinates = vec![Vec::with_capacity(total); dim];
+        let (unit, periods) = (domain.length_unit(), domain.periods());
         let own_lengths = !(domain.is_torus() && domain.is_cubic());
         let mut lengths = vec![Vec::with_capacity(if own_lengths { total } else { 0 }); dim];
         for set in raw {
@@ -59,14 +65,15 @@ impl Ensemble {
             }
             for (j, point) in set.coordinates.chunks_exact(dim).enumerate() {
                 for (k, &x) in point.iter().enumerate() {
-                    let fraction = fraction(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
-                    // The far end of a closed window is the one fraction that does not fit: 1 = 0 for a phase.
-                    fractions[k].push(fixed_point(fraction));
+                    let offset = offset(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
+                    let fraction = fraction(offset, domain.sides()[k], domain);
+                    fractions[k].push(fraction);
+                    coordinates[k].push(x);
                     if own_lengths {
                         lengths[k].push(if domain.is_torus() {
-                            scale_to_period(fixed_point(fraction), periods[k])
+                            scale_to_period(fraction, periods[k])
                         } else {
-                            fixed_point((x - domain.origin()[k]) / unit)
+                            steps(offset, unit) as u64
                         });
                     }
                 }
@@ -80,16 +87,15 @@ impl Ensemble {
             offsets,
             fractions,
             lengths,
+            coordinates: Some(coordinates),
             weights: None,
-            masses: None,
             classes: None,
         })
     }
 
     /// The same points with weights, one per point of all realizations: finite and not all 0. They are divided by the
     /// power of two at or above the largest magnitude, which drops out of all estimates. Spectra take them as they are, of
-    /// either sign; g and K, where weights are at least 0, as multiples of 2^-24, so that each is off by at most 2^-24 of
-    /// the largest.
+    /// either sign; g and K, where weights are at least 0, take products of two of them in steps of 2^-64.
     pub fn with_weights(self, weights: &[f64]) -> Self {
         let largest = weights.iter().fold(0.0, |l: f64, w| l.max(w.abs()));
         self.with_weights_of(weights, largest)
@@ -98,7 +104,6 @@ impl Ensemble {
     /// The same where `largest` is the largest magnitude in more realizations than these.
     pub(crate) fn with_weights_of(mut self, weights: &[f64], largest: f64) -> Self {
         let scaled: Vec<f64> = scaled(weights, largest).collect();
-        self.masses = Some(masses(&scaled));
         self.weights = Some(scaled);
         self
     }
@@ -113,16 +118,18 @@ impl Ensemble {
     pub fn of_classes(&self, wanted: &[u32]) -> Self {
         let Some(classes) = &self.classes else { return self.clone() };
         let kept: Vec<usize> = (0..self.total_points()).filter(|&j| wanted.contains(&classes[j])).collect();
-        let cut = |axes: &Vec<Vec<u64>>| axes.iter().map(|a| kept.iter().map(|&j| a[j]).collect()).collect();
+        fn cut<T: Copy>(axes: &[Vec<T>], kept: &[usize]) -> Vec<Vec<T>> {
+            axes.iter().map(|a| kept.iter().map(|&j| a[j]).collect()).collect()
+        }
         let marks = |marks: &Vec<u32>| kept.iter().map(|&j| marks[j]).collect();
         Self {
             domain: self.domain.clone(),
             first_index: self.first_index,
             offsets: self.offsets.iter().map(|&o| kept.partition_point(|&j| j < o)).collect(),
-            fractions: cut(&self.fractions),
-            lengths: self.lengths.as_ref().map(cut),
+            fractions: cut(&self.fractions, &kept),
+            lengths: self.lengths.as_ref().map(|l| cut(l, &kept)),
+            coordinates: self.coordinates.as_ref().map(|c| cut(c, &kept)),
             weights: self.weights.as_ref().map(|w| kept.iter().map(|&j| w[j]).collect()),
-            masses: self.masses.as_ref().map(marks),
             classes: Some(marks(classes)),
         }
     }
@@ -177,12 +184,21 @@ impl Ensemble {
         (0..self.domain.dim()).map(|a| &self.all_lengths(a)[self.range(k)]).collect()
     }
 
-    /// The weights of the points of realization `k`, in steps of 2^-24; `None` where every point weighs 1.
-    pub fn masses(&self, k: usize) -> Option<&[u32]> {
-        self.masses.as_ref().map(|m| &m[self.range(k)])
+    /// Per axis, the coordinates of realization `k` as they were given; `None` where points came as integers.
+    pub fn coordinates(&self, k: usize) -> Option<Vec<&[f64]>> {
+        self.coordinates.as_ref().map(|axes| axes.iter().map(|a| &a[self.range(k)]).collect())
     }
 
-    /// The same as numbers: the largest magnitude of all realizations is in (1/2, 1].
+    /// The fractions of realization `k` along `axis` as numbers, from 0 to 1: 1 on the upper side of a window.
+    pub fn turns(&self, k: usize, axis: usize) -> impl Iterator<Item = f64> {
+        let (window, range) = (!self.domain.is_torus(), self.range(k));
+        let pairs = self.all_fractions(axis)[range.clone()].iter().zip(&self.all_lengths(axis)[range]);
+        // A fraction that wrapped belongs to a length that did not.
+        pairs.map(move |(&f, &l)| if window && f == 0 && l > 1 { 1.0 } else { f as f64 * 2f64.powi(-64) })
+    }
+
+    /// The weights of the points of realization `k`, the largest magnitude of all realizations in (1/2, 1]; `None` where every
+    /// point weighs 1.
     pub fn weights(&self, k: usize) -> Option<&[f64]> {
         self.weights.as_ref().map(|w| &w[self.range(k)])
     }
@@ -212,8 +228,7 @@ impl Ensemble {
         classes: Option<Vec<u32>>,
     ) -> Self {
         let offsets = vec![0, fractions[0].len()];
-        let masses = weights.as_deref().map(masses);
-        Self { domain, first_index: index, offsets, fractions, lengths, weights, masses, classes }
+        Self { domain, first_index: index, offsets, fractions, lengths, coordinates: None, weights, classes }
     }
 
     /// Position of point `j` of realization `k` in the domain's own units.
@@ -227,15 +242,17 @@ impl Ensemble {
     /// A copy of realizations `range` (counted from the first held here).
     pub fn slice(&self, range: std::ops::Range<usize>) -> Self {
         let points = self.offsets[range.start]..self.offsets[range.end];
-        let cut = |axes: &Vec<Vec<u64>>| axes.iter().map(|a| a[points.clone()].to_vec()).collect();
+        fn cut<T: Copy>(axes: &[Vec<T>], points: &std::ops::Range<usize>) -> Vec<Vec<T>> {
+            axes.iter().map(|a| a[points.clone()].to_vec()).collect()
+        }
         Self {
             domain: self.domain.clone(),
             first_index: self.first_index + range.start as u64,
             offsets: self.offsets[range.start..=range.end].iter().map(|o| o - points.start).collect(),
-            fractions: cut(&self.fractions),
-            lengths: self.lengths.as_ref().map(cut),
+            fractions: cut(&self.fractions, &points),
+            lengths: self.lengths.as_ref().map(|l| cut(l, &points)),
+            coordinates: self.coordinates.as_ref().map(|c| cut(c, &points)),
             weights: self.weights.as_ref().map(|w| w[points.clone()].to_vec()),
-            masses: self.masses.as_ref().map(|m| m[points.clone()].to_vec()),
             classes: self.classes.as_ref().map(|c| c[points.clone()].to_vec()),
         }
     }
@@ -250,14 +267,42 @@ impl Ensemble {
             let axes = self.fractions.iter().zip(periods);
             axes.map(|(axis, period)| axis.iter().map(|&f| scale_to_period(f, period)).collect()).collect()
         });
-        Self { domain: domain.clone(), lengths, ..self.clone() }
+        Self { domain: domain.clone(), lengths, coordinates: None, ..self.clone() }
     }
 
-    /// Number of points that coincide with an earlier point of the same realization.
+    /// The axes along which the points of realization `k` are all numbers of float32, coarse beside the mean distance of
+    /// neighbours among as many random points: each with the largest coordinate, the step there, and the distance.
+    pub fn coarse_axes(&self, k: usize) -> Vec<(usize, f64, f64, f64)> {
+        let Some(axes) = self.coordinates(k).filter(|_| self.points_in(k) > 1) else { return Vec::new() };
+        let dim = self.domain.dim();
+        let mean = [0.5, 0.5, 0.553_96][dim - 1];
+        let apart = mean * (self.domain.measure() / self.points_in(k) as f64).powf(1.0 / dim as f64);
+        let coarse = |(axis, x): (usize, &[f64])| {
+            let largest = x.iter().fold(0.0f64, |l, x| l.max(x.abs()));
+            // Of an f32 with 24 bits.
+            let step = 2f64.powi(libm::ilogb(largest).clamp(-126, 127) - 23);
+            let of_f32 = x.iter().all(|&x| f64::from(x as f32) == x);
+            // Whole numbers, or other steps that are not those of float32, are what was measured.
+            let finest = x.iter().any(|x| (x / (2.0 * step)).fract() != 0.0);
+            (step > COARSE * apart && of_f32 && finest).then_some((axis, largest, step, apart))
+        };
+        axes.into_iter().enumerate().filter_map(coarse).collect()
+    }
+
+    /// Number of points that coincide with an earlier point of the same realization: on a torus to 2^-64 of a side, in a
+    /// window by their coordinates, where these are there.
     pub fn duplicates(&self) -> u64 {
         let in_realization = |k: usize| {
-            let axes = self.fractions(k);
-            let key = |j: usize| -> [u64; 3] { std::array::from_fn(|a| axes.get(a).map_or(0, |x| x[j])) };
+            let torus = self.domain.is_torus();
+            let places = if torus { self.fractions(k) } else { self.lengths(k) };
+            let given = self.coordinates(k).filter(|_| !torus);
+            let key = |j: usize| -> [u64; 3] {
+                std::array::from_fn(|a| match &given {
+                    // -0 is 0.
+                    Some(axes) => axes.get(a).map_or(0, |x| (x[j] + 0.0).to_bits()),
+                    None => places.get(a).map_or(0, |x| x[j]),
+                })
+            };
             let mut keys: Vec<_> = (0..self.points_in(k)).map(key).collect();
             keys.sort_unstable();
             keys.windows(2).filter(|w| w[0] == w[1]).count() as u64
@@ -274,30 +319,38 @@ fn scaled(weights: &[f64], largest: f64) -> impl Iterator<Item = f64> {
     weights.iter().map(move |w| w / below * units)
 }
 
-/// Whether a weight is not negligible beside the largest magnitude, for pairs.
+/// Whether a weight is not negligible beside the largest magnitude, for pairs: their product is some steps of 2^-64.
 pub(crate) fn counts_in_pairs(weight: f64, largest: f64) -> bool {
-    masses(&scaled(&[weight], largest).collect::<Vec<_>>()).iter().any(|&mass| mass > 0)
+    scaled(&[weight], largest).any(|w| w >= 2f64.powi(-60))
 }
 
-/// Weights in steps of 2^-24.
-fn masses(weights: &[f64]) -> Vec<u32> {
-    weights.iter().map(|w| (w.max(0.0) * f64::from(UNIT_MASS)).round_ties_even() as u32).collect()
-}
-
-/// `x` as a fraction of its side: in [0, 1) on a torus (1 where folding rounds up to it, which is 0 again), in [0, 1] in a
-/// window, `None` outside.
-fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
+/// The way of `x` from the origin, with what it is rounded by; folded once round on a torus where `wrap` says so, so that it
+/// may be negative. `None` outside.
+fn offset(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<[f64; 2]> {
     let side = domain.sides()[axis];
-    let offset = x - domain.origin()[axis];
-    if !offset.is_finite() {
+    let [whole, rest] = difference(x, domain.origin()[axis]);
+    if !whole.is_finite() {
         return None;
     }
     match (domain.is_torus(), wrap) {
         // The remainder is exact; dividing first would lose the digits that the whole turns take up.
-        (true, true) => Some(offset.rem_euclid(side) / side),
-        (true, false) => (0.0..side).contains(&offset).then_some(offset / side),
-        (false, _) => (0.0..=side).contains(&offset).then_some(offset / side),
+        (true, true) => Some([whole % side, rest]),
+        (true, false) => (0.0..side).contains(&whole).then_some([whole, rest]),
+        (false, _) => {
+            let beyond = whole > side || (whole == side && rest > domain.rests()[axis]);
+            (whole >= 0.0 && !beyond).then_some([whole, rest])
+        }
     }
+}
+
+/// The fraction of a side that `offset` is, in steps of 2^-64 and modulo 1.
+fn fraction([whole, rest]: [f64; 2], side: f64, domain: &Domain) -> u64 {
+    if whole < 0.0 {
+        return (steps([-whole, -rest], side) as u64).wrapping_neg();
+    }
+    let steps = steps([whole, rest], side);
+    // A side is rounded: what is at its end may be a hair beyond 1.
+    if domain.is_torus() { steps as u64 } else { steps.min(1 << 64) as u64 }
 }
 
 fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> Error {

@@ -4,7 +4,8 @@
 use super::Domain;
 
 /// The distance between two positions along one axis, in steps; `period` 0 stands for 2^64. In a window (period 0) no
-/// distance exceeds half of 2^64, so the minimum image is the plain difference.
+/// distance exceeds half of 2^64, so the minimum image is the plain difference (but that of two ends of a longest side which f64
+/// rounds down, 2^-52 of it short).
 pub fn minimum_image(a: u64, b: u64, period: u64) -> u64 {
     let difference = if a >= b { a - b } else { a.wrapping_sub(b).wrapping_add(period) };
     difference.min(period.wrapping_sub(difference))
@@ -22,7 +23,7 @@ pub fn squared_distance(axes: &[&[u64]], periods: [u64; 3], i: usize, j: usize) 
 
 /// The distance of point `i` from the border of the window, in steps.
 pub fn border_distance(axes: &[&[u64]], sides: [u64; 3], i: usize) -> u64 {
-    axes.iter().zip(sides).map(|(axis, side)| axis[i].min(side - axis[i])).min().unwrap_or(0)
+    axes.iter().zip(sides).map(|(axis, side)| axis[i].min(side.saturating_sub(axis[i]))).min().unwrap_or(0)
 }
 
 /// The number of bins whose upper edge is at most `distance`.
@@ -31,11 +32,29 @@ pub fn depth(thresholds: &[u128], distance: u64) -> usize {
     thresholds[1..].partition_point(|&t| t <= squared)
 }
 
-/// `u_i u_j w` of points whose weights are `u`, in steps of 2^-24, and a pair that weighs `w`, in steps of 2^-32: in steps
-/// of 2^-32, rounded to nearest.
-pub fn weighted_pair(u: [u32; 2], w: u64) -> u64 {
-    let product = u128::from(u[0]) * u128::from(u[1]) * u128::from(w);
-    ((product + (1 << 47)) >> 48) as u64
+/// `u_i u_j w` of points whose weights are `u`, at most 1, and a pair that weighs `w`, in steps of 2^-32: in steps of 2^-64,
+/// rounded to nearest, of the product as f64 has it. The same in either order.
+pub fn weighted_pair(u: [f64; 2], w: u64) -> u128 {
+    (u[0] * u[1] * w as f64 * 2f64.powi(32)).round_ties_even() as u128
+}
+
+/// `sum_(i != j) u_i u_j` and `(sum u)^2` over points of weights `u`, in steps of 2^-64. The first without a difference of large
+/// numbers, so that one heavy point does not cost what the others are among themselves; whatever the order of points.
+pub fn mass_sums(u: &[f64]) -> [u128; 2] {
+    let mut sorted = u.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    // Sums of f64 with what each addition drops (Neumaier 1974).
+    let add = |[sum, rest]: [f64; 2], x: f64| {
+        let next = sum + x;
+        [next, rest + if sum >= x { (sum - next) + x } else { (x - next) + sum }]
+    };
+    let (mut before, mut pairs) = ([0.0; 2], [0.0; 2]);
+    for x in sorted {
+        pairs = add(pairs, 2.0 * x * (before[0] + before[1]));
+        before = add(before, x);
+    }
+    let steps = |x: f64| (x * 2f64.powi(64)).round_ties_even() as u128;
+    [steps(pairs[0] + pairs[1]), steps((before[0] + before[1]).powi(2))]
 }
 
 /// The lag `a - b` along one axis of a torus, in steps, in `[-period / 2, period / 2)`; `period` 0 stands for 2^64.
@@ -129,16 +148,28 @@ mod tests {
 
     #[test]
     fn weights_of_points_multiply() {
-        const ONE: u32 = 1 << 24;
-        assert_eq!(weighted_pair([ONE, ONE], 1 << 32), 1 << 32);
+        assert_eq!(weighted_pair([1.0, 1.0], 1 << 32), 1 << 64);
         // 1/2 * 1/4 * 3 = 3/8.
-        assert_eq!(weighted_pair([ONE / 2, ONE / 4], 3 << 32), 3 << 29);
-        // 2^-24 * 2^-9 * 1 is half of a step of 2^-32, which is rounded up; a step less of the second is rounded down.
-        assert_eq!(weighted_pair([1, 1 << 15], 1 << 32), 1);
-        assert_eq!(weighted_pair([1, (1 << 15) - 1], 1 << 32), 0);
-        assert_eq!(weighted_pair([0, ONE], 7 << 32), 0);
-        // 100 is the largest weight of a pair.
-        assert_eq!(weighted_pair([ONE, ONE], 100 << 32), 100 << 32);
+        assert_eq!(weighted_pair([0.5, 0.25], 3 << 32), 3 << 61);
+        assert_eq!(weighted_pair([1.0, 2f64.powi(-64)], 1 << 32), 1);
+        assert_eq!(weighted_pair([2f64.powi(-33), 2f64.powi(-32)], 1 << 32), 0, "half a step, to even");
+        assert_eq!(weighted_pair([0.0, 1.0], 7 << 32), 0);
+        // 2^29 is about the largest weight of a pair.
+        assert_eq!(weighted_pair([1.0, 1.0], 1 << 61), 1 << 93);
+    }
+
+    #[test]
+    fn sums_of_weights_keep_the_small_ones() {
+        // 1/2, 1/4 and 1/4: 2 (1/8 + 1/8 + 1/16), and 1.
+        assert_eq!(mass_sums(&[0.25, 0.5, 0.25]), [5 << 61, 1 << 64]);
+        assert_eq!(mass_sums(&[0.7]), [0, ((0.7 * 0.7) * 2f64.powi(64)) as u128]);
+        assert_eq!(mass_sums(&[]), [0, 0]);
+        // One of 1 among a thousand of 2^-50: 2000 2^-50 + 999,000 2^-100, of which the last are nothing in steps of 2^-64.
+        let mut heavy = vec![2f64.powi(-50); 1001];
+        heavy[400] = 1.0;
+        assert_eq!(mass_sums(&heavy)[0], 2000 << 14);
+        heavy.rotate_left(123);
+        assert_eq!(mass_sums(&heavy)[0], 2000 << 14);
     }
 
     fn lag(domain: &Domain, [a, b]: [[u64; 2]; 2]) -> [i128; 3] {

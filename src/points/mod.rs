@@ -9,9 +9,9 @@ mod shape;
 pub mod write;
 
 pub use domain::{Boundary, Domain};
+pub use ensemble::Ensemble;
 pub(crate) use ensemble::counts_in_pairs;
-pub use ensemble::{Ensemble, UNIT_MASS};
-pub(crate) use fixed_point::round32;
+pub(crate) use fixed_point::{mantissa_exponent, round32};
 pub use shape::EnsembleShape;
 
 /// Points as a reader or a sampler delivers them, before the domain is known.

@@ -259,7 +259,7 @@ impl Points {
             return Err(Error::input(place, reason));
         }
         if !self.weights.second.is_some_and(|second| counts_in_pairs(second, self.weights.largest)) {
-            let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-25 of it)";
+            let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)";
             return Err(Error::setting(Setting::WeightColumn, column, reason));
         }
         Ok(())

@@ -217,7 +217,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --window 0,1,0,1 --correction isotropic --r-max 0.8",
             2,
-            "--r-max 0.8: expected at most half the diagonal of the window (0.7071067811865476): beyond, some points see no circle",
+            "--r-max 0.8: expected less than half the diagonal of the window (0.7071067811865476): there, some points see nothing of the circle",
         ),
         (
             "analyze ok.csv --window 0,1,0,1 --correction border --r-max 0.5",

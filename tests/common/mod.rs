@@ -326,7 +326,7 @@ pub fn corrected_cases(size: usize) -> Vec<PairCase> {
         for (name, window) in [("window", &window), ("strip", &strip)] {
             let side = window.shortest_side();
             let r = match correction {
-                Correction::Isotropic => window.half_diagonal().min(1.2 * side),
+                Correction::Isotropic => (0.99 * window.half_diagonal()).min(1.2 * side),
                 Correction::Border => 0.49 * side,
                 _ => 0.9 * side,
             };

@@ -185,10 +185,14 @@ fn what_is_not_done_here_is_said() {
     // Weights that grow without bound, and weights of points.
     let steep = pair_plan(&ensemble, bins(0.999), Correction::Translation);
     assert!(refusal(gpu, Work::Pairs(&steep)).contains("translation weights up to"));
+    let near_corners = pair_plan(&ensemble, bins(0.707), Correction::Isotropic);
+    assert!(refusal(gpu, Work::Pairs(&near_corners)).contains("isotropic weights up to"));
+    let less_so = pair_plan(&ensemble, bins(0.7), Correction::Isotropic);
+    assert_eq!(gpu.supports(Work::Pairs(&less_so)), Ok(()));
     let settings = PairSettings { masses: true, ..Correction::None.into() };
     let masses = PairPlan::new(&window, bins(0.4), settings, shape(&ensemble)).unwrap();
     assert!(refusal(gpu, Work::Pairs(&masses)).contains("weights of points"));
-    for plan in [steep, masses] {
+    for plan in [steep, near_corners, masses] {
         assert!(wait(gpu.pair_counts(&plan, &ensemble, &go())).is_err());
     }
     assert_eq!(gpu.supports(Work::Waves(&wave_plan(&ensemble, &[4, 4], Accuracy::Fast))), Ok(()));

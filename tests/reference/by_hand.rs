@@ -5,7 +5,6 @@ use crate::common::*;
 use pairwave::compute::reference::isotropic_weight;
 use pairwave::estimate::{KFunction, Normalization, PairCorrelation, PowerSpectrum, VectorCorrelation};
 use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins, WaveGrid};
-use pairwave::points::geometry::weighted_pair;
 use pairwave::points::{Domain, Ensemble, RawPoints};
 
 fn counts(points: RawPoints, edges: &[f64]) -> Vec<u64> {
@@ -267,13 +266,21 @@ fn isotropic_weights_by_hand() {
         // Two such sides in a corner: each a third, and what they share once: from the corner's quadrant nothing is left,
         // from its neighbours 1/12 each, and 1/4.
         ([0.1, 0.1], [0.3, 0.1], 12.0 / 5.0),
-        // Next to nothing is left: the cap.
-        ([0.0, 0.0], [1.0, 1.0], 100.0),
         // The same place twice.
         ([0.0, 0.0], [0.0, 0.0], 1.0),
     ] {
         let found = isotropic(&square, &a, &b);
         assert!(near(found, expected), "{a:?} to {b:?}: {found}, expected {expected}");
+    }
+    // Nothing caps it. In the middle of a strip both ends of the circle keep 2 asin(b / 2r).
+    let strip = Domain::window(&[(0.0, 3000.0), (0.0, 10.0)]).unwrap();
+    let expected = std::f64::consts::TAU / (4.0 * (5.0f64 / 750.0).asin());
+    assert!(near(isotropic(&strip, &[1500.0, 5.0], &[2250.0, 5.0]), expected) && expected > 235.0);
+    // About the middle of the square, e short of a corner along both axes, each quarter keeps 4 e of a turn of 2 pi.
+    for bits in [10, 20, 26] {
+        let e = 2f64.powi(-bits);
+        let found = isotropic(&square, &[0.5, 0.5], &[1.0 - e, 1.0 - e]) * 16.0 * e / std::f64::consts::TAU;
+        assert!((found - 1.0).abs() < 4.0 * e + 1e-9, "2^-{bits}: {found}");
     }
     let line = Domain::window(&[(-1.0, 3.0)]).unwrap();
     for (a, b, expected) in [(0.0, 0.5, 1.0), (0.0, 1.0, 1.0), (0.0, 1.5, 2.0), (-1.0, 0.0, 2.0), (1.0, 3.0, 1.0)] {
@@ -293,6 +300,43 @@ fn isotropic_weights_by_hand() {
         let expected = 1e5 / (0..100_000).filter(inside).count() as f64;
         let found = isotropic(&window, &a, &b);
         assert!((found / expected - 1.0).abs() < 1e-4 * expected, "{a:?} to {b:?}: {found}, not {expected}");
+    }
+}
+
+/// No isotropic weight is above what the plan says, and some come near it.
+#[test]
+fn isotropic_weights_keep_their_bound() {
+    let mut rng = Rng(21);
+    for (ranges, r) in [
+        ([(0.0, 1.0), (0.0, 1.0)], 0.3),
+        ([(0.0, 1.0), (0.0, 1.0)], 0.5),
+        ([(0.0, 1.0), (0.0, 1.0)], 0.6),
+        ([(0.0, 1.0), (0.0, 1.0)], 0.7),
+        ([(0.0, 1.5), (0.0, 1.0)], 0.74),
+        ([(0.0, 1.5), (0.0, 1.0)], 0.85),
+        ([(-1.0, 2.0), (0.0, 0.01)], 0.007),
+        ([(-1.0, 2.0), (0.0, 0.01)], 1.2),
+    ] {
+        let window = Domain::window(&ranges).unwrap();
+        let some = ensemble_in(&window, &[uniform(2, 2, 1)]);
+        let plan = pair_plan(&some, RadialBins::linear(r, 1).unwrap(), Correction::Isotropic);
+        let (mut largest, bound) = (0.0f64, plan.largest_isotropic());
+        // Pairs about the middle, a corner and the middle of each side, at the longest distance and in every direction.
+        for _ in 0..20_000 {
+            let at = |k: usize, u: f64| ranges[k].0 + u * (ranges[k].1 - ranges[k].0);
+            let near = |u: f64, rng: &mut Rng| (u + 1e-3 * (rng.unit() - 0.5)).clamp(0.0, 1.0);
+            let places = [0.0, 0.5, 1.0].map(|u| near(u, &mut rng));
+            let a = [0, 1].map(|k| at(k, places[rng.bits() as usize % 3]));
+            let y = at(1, [rng.unit(), near(1.0, &mut rng), near(0.0, &mut rng)][rng.bits() as usize % 3]);
+            let x = a[0] + (r * r - (y - a[1]).powi(2)).sqrt() * [1.0, -1.0][rng.bits() as usize % 2];
+            // Written so that NaN fails.
+            if (ranges[0].0..=ranges[0].1).contains(&x) {
+                largest = largest.max(isotropic(&window, &a, &[x, y]));
+            }
+        }
+        assert!(largest <= bound * (1.0 + 1e-9), "{ranges:?}, r = {r}: {largest}, bound {bound}");
+        // The bound for long distances takes one quarter of four.
+        assert!(largest >= 0.2 * bound, "{ranges:?}, r = {r}: {largest}, bound {bound}");
     }
 }
 
@@ -324,11 +368,6 @@ fn border_correction_by_hand() {
 
 #[test]
 fn weighted_points_by_hand() {
-    let (one, half) = (1 << 24, 1 << 23);
-    assert_eq!(weighted_pair([one, one], 3 << 32), 3 << 32);
-    assert_eq!(weighted_pair([one, half], 1 << 32), 1 << 31);
-    assert_eq!(weighted_pair([1 << 7, 1 << 8], 1 << 32), 1, "half a step goes up");
-    assert_eq!(weighted_pair([1 << 7, (1 << 8) - 1], 1 << 32), 0);
     // Weights 3, 1 and 0 of three points, in units of 4.
     let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
     let points = [raw(2, vec![0.5, 0.5, 1.0, 0.75, 1.0, 0.75])];
@@ -341,7 +380,7 @@ fn weighted_points_by_hand() {
         assert_eq!(sums.counts, [2, 4], "counts are of points");
         assert!((sums.sum(1) - 2.0 * 3.0 / 16.0 * weight).abs() < 1e-9);
         assert_eq!(sums.bins.sums[0], 0);
-        let norms = sums.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(48));
+        let norms = sums.bins.norm(0).map(|n| n.sum as f64 / 2f64.powi(64));
         assert_eq!(norms, [(16.0 - 10.0) / 16.0, 1.0], "(sum u)^2 - sum u^2, and (sum u)^2");
         let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
         let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
@@ -349,7 +388,41 @@ fn weighted_points_by_hand() {
     }
     // A largest weight that is a power of two is exactly 1.
     let powers = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[0.25, 0.125, 1e-9]);
-    assert_eq!(powers.masses(0).unwrap(), [one, half, 0]);
+    assert_eq!(powers.weights(0).unwrap(), [1.0, 0.5, 4e-9]);
+}
+
+/// A heavy point among light ones: g in plain f64 from coordinates and weights, over all spreads that are promised.
+#[test]
+fn light_points_count_beside_a_heavy_one() {
+    let points = uniform(2, 60, 77);
+    let ensemble = ensemble(std::slice::from_ref(&points));
+    for (light, within) in [(1.0, 1e-12), (1e-5, 1e-12), (1e-9, 1e-7), (1e-15, 1e-2)] {
+        let weights: Vec<f64> =
+            (0..60).map(|j| if j == 7 { 1.0 } else { light * (1.0 + 0.1 * f64::from(j)) }).collect();
+        let weighted = ensemble.clone().with_weights(&weights);
+        let settings = PairSettings { masses: true, ..Correction::None.into() };
+        let bins = RadialBins::linear(0.4, 4).unwrap();
+        let plan = PairPlan::new(weighted.domain(), bins, settings, shape(&weighted)).unwrap();
+        let g = PairCorrelation::new(&plan, &reference_counts(&plan, &weighted), Normalization::Pairs);
+        let (mut sums, mut all) = ([0.0; 4], 0.0);
+        for i in 0..60 {
+            for j in (0..60).filter(|&j| j != i) {
+                let away = |k: usize| {
+                    let d = (points.coordinates[2 * i + k] - points.coordinates[2 * j + k]).abs();
+                    d.min(1.0 - d)
+                };
+                all += weights[i] * weights[j];
+                if let Some(sum) = sums.get_mut((away(0).hypot(away(1)) / 0.1) as usize) {
+                    *sum += weights[i] * weights[j];
+                }
+            }
+        }
+        for (b, sum) in sums.iter().enumerate() {
+            let ring = std::f64::consts::PI * 0.01 * (2.0 * b as f64 + 1.0);
+            let off = (g.g[b] - sum / (all * ring)).abs();
+            assert!(off < within, "light {light:e}, bin {b}: {} is off by {off:e}", g.g[b]);
+        }
+    }
 }
 
 /// Pairs per cell of lags of one set of points, by the reference.

@@ -6,5 +6,6 @@ mod common;
 
 mod by_hand;
 mod comparison_can_fail;
+mod coordinates;
 mod laws;
 mod samplers;

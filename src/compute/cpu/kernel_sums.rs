@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Cpu;
 use super::pair_weights::{PairWeights, PointData};
-use crate::accumulate::{KernelCurve, KernelSums, PairHistogram, WEIGHT_STEPS};
+use crate::accumulate::{KernelCurve, KernelSums, PairHistogram};
 use crate::compute::Compute;
 use crate::control::Control;
 use crate::error::Result;
@@ -76,7 +76,7 @@ struct Set {
     n: usize,
     axes: Vec<Vec<u64>>,
     /// Weights of the points, where there are any.
-    masses: Option<Vec<u32>>,
+    masses: Option<Vec<f64>>,
     sorted: usize,
 }
 
@@ -88,7 +88,7 @@ impl Set {
         let mut order: Vec<usize> = (0..ensemble.points_in(k)).collect();
         order.sort_unstable_by_key(|&j| (axes[sorted][j], j));
         let axes = axes.iter().map(|axis| order.iter().map(|&j| axis[j]).collect()).collect();
-        let masses = ensemble.masses(k).map(|m| order.iter().map(|&j| m[j]).collect());
+        let masses = ensemble.weights(k).map(|m| order.iter().map(|&j| m[j]).collect());
         Self { n: order.len(), axes, masses, sorted }
     }
 }
@@ -135,7 +135,7 @@ impl Spread {
         let data = PointData::new(&plan.pairs, &axes, set.masses.as_deref());
         let weights = plan.pairs.weighted().then(|| PairWeights::new(&plan.pairs, &axes, &data));
         // The mean over both orders.
-        let weight = |i, j| weights.as_ref().map_or(1.0, |w| w.both(i, j) as f64 * (0.5 / WEIGHT_STEPS));
+        let weight = |i, j| weights.as_ref().map_or(1.0, |w| w.both(i, j) as f64 * (0.5 / plan.pairs.weight_steps()));
         let mut curve = KernelCurve::new(PairHistogram::unit_norms(set.n as u64, data.mass_sums()), plan.r.len());
         let rows = rows_per_block(set.n);
         let along = axes[set.sorted];

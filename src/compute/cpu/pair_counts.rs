@@ -119,7 +119,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
 struct Sorted<'a> {
     points: SortedPoints,
     exact: Vec<Cow<'a, [u64]>>,
-    masses: Option<Cow<'a, [u32]>>,
+    masses: Option<Cow<'a, [f64]>>,
 }
 
 impl<'a> Sorted<'a> {
@@ -127,7 +127,7 @@ impl<'a> Sorted<'a> {
         let axes = ensemble.lengths(k);
         let points = near.sort(plan, &axes);
         let exact = axes.into_iter().map(|axis| points.permuted(axis)).collect();
-        let masses = ensemble.masses(k).map(|masses| points.permuted(masses));
+        let masses = ensemble.weights(k).map(|masses| points.permuted(masses));
         Self { points, exact, masses }
     }
 }

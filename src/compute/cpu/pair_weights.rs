@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
-use crate::plan::{Correction, MAX_ISOTROPIC, PairPlan};
-use crate::points::UNIT_MASS;
+use crate::plan::{Correction, PairPlan};
 use crate::points::geometry;
 
 /// What the pairs of one realization need to know about its points beside where they are.
@@ -14,25 +13,23 @@ pub(super) struct PointData<'a> {
     /// With border correction, the number of bins whose upper edge is at most the distance of the point from the border.
     depths: Vec<u32>,
     /// Weights of the points, where the plan takes them into account.
-    masses: Option<Cow<'a, [u32]>>,
+    masses: Option<Cow<'a, [f64]>>,
 }
 
 impl<'a> PointData<'a> {
     /// Of points at `axes` with weights `masses`.
-    pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [u32]>) -> Self {
+    pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [f64]>) -> Self {
         let sides = plan.domain.side_steps();
         let depth = |j| geometry::depth(&plan.thresholds, geometry::border_distance(axes, sides, j)) as u32;
         let depths = if plan.border() { (0..axes[0].len()).map(depth).collect() } else { Vec::new() };
-        let unit = || Cow::Owned(vec![UNIT_MASS; axes[0].len()]);
+        let unit = || Cow::Owned(vec![1.0; axes[0].len()]);
         let masses = plan.masses.then(|| masses.map_or_else(unit, Cow::Borrowed));
         Self { depths, masses }
     }
 
-    /// `(sum u)^2` and `sum u^2`, in steps of 2^-48.
+    /// What the weights are compared with.
     pub(super) fn mass_sums(&self) -> Option<[u128; 2]> {
-        let masses = self.masses.as_ref()?;
-        let sum: u128 = masses.iter().map(|&u| u128::from(u)).sum();
-        Some([sum * sum, masses.iter().map(|&u| u128::from(u) * u128::from(u)).sum()])
+        self.masses.as_deref().map(geometry::mass_sums)
     }
 }
 
@@ -55,11 +52,11 @@ impl<'a> PairWeights<'a> {
         Self { axes, data, correction: plan.correction, sides, side_steps: plan.domain.side_steps() }
     }
 
-    /// The weights of (i, j) and of (j, i), added.
+    /// The weights of (i, j) and of (j, i), added: in steps of 2^-32, with weights of points 2^-64.
     #[inline(always)]
     pub(super) fn both(&self, i: usize, j: usize) -> u128 {
         let product = |w: u64| match &self.data.masses {
-            Some(masses) => u128::from(geometry::weighted_pair([masses[i], masses[j]], w)),
+            Some(masses) => geometry::weighted_pair([masses[i], masses[j]], w),
             None => u128::from(w),
         };
         match self.correction {
@@ -102,18 +99,29 @@ impl<'a> PairWeights<'a> {
             // One of two ends is inside.
             _ => return 2 << 32,
         };
-        let cut = |d: u64| {
-            let d2 = u128::from(d) * u128::from(d);
-            if d2 >= r2 { 0.0 } else { libm::atan2(((r2 - d2) as f64).sqrt(), d as f64) }
+        // Squared, the distance to a side and the half chord that it cuts out.
+        let side = |d: u64| {
+            let d2 = (u128::from(d) * u128::from(d)).min(r2);
+            (d2, (d2 as f64).sqrt(), ((r2 - d2) as f64).sqrt())
         };
-        let (xs, ys) = ([x, self.side_steps[0] - x].map(cut), [y, self.side_steps[1] - y].map(cut));
+        let r2_rounded = r2 as f64;
+        let (xs, ys) =
+            ([x, self.side_steps[0].saturating_sub(x)].map(side), [y, self.side_steps[1].saturating_sub(y)].map(side));
         let mut inside = 0.0;
-        for x in xs {
-            for y in ys {
-                inside += (FRAC_PI_2 - x - y).max(0.0);
+        for (a2, a, chord_a) in xs {
+            for (b2, b, chord_b) in ys {
+                if let Some(beyond) = a2.checked_sub(r2 - b2) {
+                    let across = (a * b + chord_a * chord_b) * (chord_a * b + a * chord_b);
+                    // A quarter that no side cuts is one.
+                    inside += if chord_a + chord_b == 0.0 {
+                        FRAC_PI_2
+                    } else {
+                        libm::atan2(beyond as f64 * r2_rounded, across)
+                    };
+                }
             }
         }
-        ((TAU / inside).min(MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
+        (TAU / inside * WEIGHT_STEPS).round_ties_even() as u64
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Cpu;
 use super::nufft::{Nonuniform, Scratch};
-use super::wave_power::amplitudes;
+use super::wave_power::{WavePoints, amplitudes};
 use crate::accumulate::WavePower;
 use crate::compute::Compute;
 use crate::control::Control;
@@ -24,13 +24,15 @@ pub(super) fn tapered_power(
     let mut of_taper = vec![[0.0; 2]; plan.waves.len()];
     let mut scratch = Scratch::default();
     for k in 0..ensemble.realizations() {
-        let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+        let points = WavePoints::of(ensemble, k, &plan.waves);
+        let weights = points.weights;
         // s_0 without a taper, which is what the transform of the window is multiplied with.
         let total: f64 = weights.map_or(ensemble.points_in(k) as f64, |w| w.iter().sum());
         let mut power = vec![0.0; plan.waves.len()];
         for &orders in &tapers {
             control.advance(1.0 / (tapers.len() * ensemble.realizations()) as f64);
-            let mut tapered: Vec<f64> = (0..ensemble.points_in(k)).map(|j| taper.value(orders, &axes, j)).collect();
+            let mut tapered: Vec<f64> =
+                (0..ensemble.points_in(k)).map(|j| taper.value(orders, &points.axes, j)).collect();
             if let Some(weights) = weights {
                 tapered.iter_mut().zip(weights).for_each(|(t, w)| *t *= w);
             }
@@ -39,10 +41,10 @@ pub(super) fn tapered_power(
                     let about = WaveMethod::about(ensemble.points_in(k) as f64) as usize;
                     let tolerance = plan.accuracy.nufft_tolerance();
                     let nufft = cpu.nuffts.get(grid, tolerance, about, cpu.level(), plan.memory)?;
-                    let points = Nonuniform { axes: &axes, weights: Some(&tapered) };
-                    nufft.components(&points, &mut scratch, Some(&cpu.pool), control, &mut of_taper)?;
+                    let spread = Nonuniform { axes: &points.axes, weights: Some(&tapered) };
+                    nufft.components(&spread, &mut scratch, Some(&cpu.pool), control, &mut of_taper)?;
                 }
-                _ => amplitudes(cpu, &plan.waves, &axes, Some(&tapered), &mut of_taper, control)?,
+                _ => amplitudes(cpu, &plan.waves, &points.weighted(&tapered), &mut of_taper, control)?,
             }
             let mean = |m: usize| taper.transform(orders, plan.waves.vector(m), dim).map(|f| total * f);
             let modes = power.iter_mut().zip(&of_taper);

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::Cpu;
 use super::product::{FEWEST_POINTS, Operand, product};
-use super::wave_power::amplitudes;
+use super::wave_power::{WavePoints, amplitudes};
 use crate::accumulate::{CovarianceSums, WaveCovariance};
 use crate::compute::Compute;
 use crate::control::Control;
@@ -73,7 +73,7 @@ fn leaf_sums(
     let mut all = vec![[0.0; 2]; waves.len()];
     for (row, k) in range.enumerate() {
         control.check()?;
-        amplitudes(cpu, waves, &ensemble.fractions(k), ensemble.weights(k), &mut all, control)?;
+        amplitudes(cpu, waves, &WavePoints::of(ensemble, k, waves), &mut all, control)?;
         let norm = ensemble.norm(k);
         for (a, [re, im]) in all[plan.grid.dc()..].iter().enumerate() {
             for (at, x) in [(a, re), (stored + a, im)] {

@@ -1,6 +1,7 @@
 //! The power spectrum, shared between threads. Formula: see `reference`; the ways to sum it are `wave_product` and `nufft`
 //! (grids) and `wave_terms` (lists).
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
@@ -24,12 +25,28 @@ use crate::pool::Pool;
 /// The points of a realization: per axis, fractions of the side in steps of 2^-64.
 pub(super) struct WavePoints<'a> {
     pub(super) axes: Vec<&'a [u64]>,
+    /// The same as numbers, 1 on the upper side of a window; for wave vectors that are no integers.
+    pub(super) turns: Vec<Cow<'a, [f64]>>,
     pub(super) weights: Option<&'a [f64]>,
 }
 
 impl<'a> WavePoints<'a> {
-    fn of(ensemble: &'a Ensemble, k: usize) -> Self {
-        Self { axes: ensemble.fractions(k), weights: ensemble.weights(k) }
+    /// Those of realization `k`, for these wave vectors.
+    pub(super) fn of(ensemble: &'a Ensemble, k: usize, waves: &WaveVectors) -> Self {
+        let axes = ensemble.fractions(k);
+        let whole = match waves {
+            WaveVectors::Grid(_) => true,
+            WaveVectors::List(list) => list.vectors.as_flattened().iter().all(|m| m.fract() == 0.0),
+        };
+        let turns = |axis: usize| Cow::Owned(ensemble.turns(k, axis).collect());
+        let turns = if whole { Vec::new() } else { (0..axes.len()).map(turns).collect() };
+        Self { axes, turns, weights: ensemble.weights(k) }
+    }
+
+    /// The same points with these weights.
+    pub(super) fn weighted<'b>(&'b self, weights: &'b [f64]) -> WavePoints<'b> {
+        let turns = self.turns.iter().map(|axis| Cow::Borrowed(&**axis)).collect();
+        WavePoints { axes: self.axes.clone(), turns, weights: Some(weights) }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -42,11 +59,12 @@ impl<'a> WavePoints<'a> {
     }
 
     /// The same points, `size` at a time.
-    pub(super) fn chunks(&self, size: usize) -> impl Iterator<Item = Self> {
+    pub(super) fn chunks(&self, size: usize) -> impl Iterator<Item = WavePoints<'_>> {
         (0..self.len()).step_by(size).map(move |start| {
             let range = start..(start + size).min(self.len());
-            Self {
+            WavePoints {
                 axes: self.axes.iter().map(|axis| &axis[range.clone()]).collect(),
+                turns: self.turns.iter().map(|axis| Cow::Borrowed(&axis[range.clone()])).collect(),
                 weights: self.weights.map(|w| &w[range]),
             }
         })
@@ -175,21 +193,18 @@ pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contro
     LeafJob { cpu, plan, ensemble, control, keys }.run()
 }
 
-/// `s_m` of one realization at every stored mode, real and imaginary part, in f64. `axes[a][j]` is the fraction of point
-/// `j` along axis `a`. All threads take part, unless called on one of them: then it works alone.
+/// `s_m` of one realization at every stored mode, real and imaginary part, in f64. All threads take part, unless called on one of them: then it works alone.
 pub(super) fn amplitudes(
     cpu: &Cpu,
     waves: &WaveVectors,
-    axes: &[&[u64]],
-    weights: Option<&[f64]>,
+    points: &WavePoints<'_>,
     out: &mut [[f64; 2]],
     control: &Control,
 ) -> Result<()> {
-    let points = WavePoints { axes: axes.to_vec(), weights };
     let wanted = parts_wanted(cpu, 1);
     match waves {
-        WaveVectors::List(list) => fill(cpu, &Terms::new(cpu, list), &points, out, control),
-        WaveVectors::Grid(grid) => fill(cpu, &Product::<f64>::new(cpu, grid, None, wanted), &points, out, control),
+        WaveVectors::List(list) => fill(cpu, &Terms::new(cpu, list), points, out, control),
+        WaveVectors::Grid(grid) => fill(cpu, &Product::<f64>::new(cpu, grid, None, wanted), points, out, control),
     }
 }
 
@@ -292,7 +307,7 @@ impl LeafJob<'_> {
                 let Some(leaf) = leaves.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
                 let mut sum = self.new_sums();
                 for k in leaf.clone() {
-                    let points = WavePoints::of(self.ensemble, k);
+                    let points = WavePoints::of(self.ensemble, k, &self.plan.waves);
                     methods[&self.keys[k]].whole(&points, &mut scratch, None, self.control, &mut power)?;
                     self.add(&mut sum, k, &mut power);
                     self.control.advance(1.0 / self.ensemble.realizations() as f64);
@@ -324,7 +339,7 @@ impl LeafJob<'_> {
                 loop {
                     self.control.check()?;
                     let Some(&(k, part)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
-                    let points = WavePoints::of(self.ensemble, k);
+                    let points = WavePoints::of(self.ensemble, k, &self.plan.waves);
                     of(k).part(part, &points, &mut scratch, self.control, |at, q| part_sums.push((at, q)))?;
                     let mut power = powers[k - start].lock().unwrap_or_else(PoisonError::into_inner);
                     part_sums.drain(..).for_each(|(at, q)| power[at] = q);
@@ -335,7 +350,7 @@ impl LeafJob<'_> {
             for (k, power) in wave.zip(&mut powers) {
                 let power = power.get_mut().unwrap_or_else(PoisonError::into_inner);
                 if of(k).parts() == 0 {
-                    let points = WavePoints::of(self.ensemble, k);
+                    let points = WavePoints::of(self.ensemble, k, &self.plan.waves);
                     of(k).whole(&points, &mut scratch, Some(&self.cpu.pool), self.control, power)?;
                     self.control.advance(1.0 / realizations as f64);
                 }

@@ -112,9 +112,9 @@ pub(super) mod terms {
                     *phase = phase.wrapping_add(x.wrapping_mul(vector.whole[a]));
                 }
                 if let Some(rest) = vector.rest {
-                    for (sum, x) in rests.iter_mut().zip(x) {
-                        *sum += x as f64 * 2f64.powi(-64) * rest[a];
-                    }
+                    // Not of the integers: in a window the upper side is not the lower one.
+                    let turns = &points.turns[a][first..first + count];
+                    rests.iter_mut().zip(turns).for_each(|(sum, turns)| *sum += turns * rest[a]);
                 }
             }
             if vector.rest.is_some() {

@@ -2,7 +2,7 @@
 
 use super::kernel::{self, KernelSpec, ShaderFile};
 use super::params;
-use crate::plan::{BinFilter, BinTable, Correction, MAX_ISOTROPIC, PairPlan, PairSearch};
+use crate::plan::{BinFilter, BinTable, Correction, PairPlan, PairSearch};
 
 /// Invocations per workgroup of pairs in cells, and of the sort.
 pub(super) const CELL_LANES: u32 = 64;
@@ -136,9 +136,8 @@ fn largest_addend(plan: &PairPlan) -> f64 {
         Correction::Translation => {
             (1..=plan.domain.dim()).map(|k| 1.0 / (1.0 - ratio / (k as f64).sqrt()).max(1e-9)).product()
         }
-        // A circle no wider than the window crosses at most two sides, which meet: a quarter of it is inside.
-        Correction::Isotropic if ratio <= 0.5 => 2.0 * 4.0,
-        Correction::Isotropic => 2.0 * MAX_ISOTROPIC,
+        // Of either point.
+        Correction::Isotropic => 2.0 * plan.largest_isotropic(),
     }
 }
 

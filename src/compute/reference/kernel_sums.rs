@@ -12,7 +12,7 @@
 //! integers; their root and all that follows is f64.
 
 use super::pair_counts::{mass_sums, pair_weight};
-use crate::accumulate::{KernelCurve, PairHistogram, WEIGHT_STEPS};
+use crate::accumulate::{KernelCurve, PairHistogram};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Divisor, KernelPlan, sphere_surface};
@@ -22,7 +22,7 @@ use crate::points::geometry::squared_distance;
 pub(super) fn kernel_sums(
     plan: &KernelPlan,
     axes: &[&[u64]],
-    masses: Option<&[u32]>,
+    masses: Option<&[f64]>,
     control: &Control,
 ) -> Result<KernelCurve> {
     let n = axes[0].len();
@@ -38,7 +38,7 @@ pub(super) fn kernel_sums(
                 continue;
             }
             let d = (r2 as f64).sqrt() * 2f64.powi(-64) * domain.length_unit();
-            let weight = |i, j| pair_weight(&plan.pairs, axes, masses, i, j) as f64 / WEIGHT_STEPS;
+            let weight = |i, j| pair_weight(&plan.pairs, axes, masses, i, j) as f64 / plan.pairs.weight_steps();
             let (mut weight, mut both) = (weight(i, j), weight(i, j) + weight(j, i));
             if plan.divisor == Divisor::D {
                 if sphere_surface(d, dim) == 0.0 {

@@ -1,15 +1,20 @@
-//! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized.
+//! The slow truth everything answers to: one loop per sum of the formula, exact integers or f64, never optimized. Phases are of
+//! coordinates as they were given; pairs are of the integers that `points` makes of them, which has its own tests against
+//! coordinates (tests/reference/coordinates.rs).
 
 mod kernel_sums;
 mod lag_counts;
 mod neighbors;
 mod pair_counts;
+mod phases;
 mod tapered_power;
 mod wave_covariance;
 mod wave_power;
 
 pub use pair_counts::{isotropic_weight, translation_weight};
-pub use wave_power::phase_turns;
+pub use phases::phase_turns;
+
+use phases::Places;
 
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
@@ -42,7 +47,7 @@ impl Compute for Reference {
         at_once(|| {
             let mut sums = PairCounts::new(self.computed_by(), plan);
             for k in 0..ensemble.realizations() {
-                sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.masses(k), control)?);
+                sums.add(&pair_counts::pair_counts(plan, &ensemble.lengths(k), ensemble.weights(k), control)?);
             }
             Ok(sums)
         })
@@ -72,10 +77,10 @@ impl Compute for Reference {
         at_once(|| {
             let mut sums = WavePower::new(self.computed_by(), plan.waves.len(), &plan.rings);
             for k in 0..ensemble.realizations() {
-                let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
+                let (places, weights) = (Places::of(ensemble, k), ensemble.weights(k));
                 let power = match plan.tapered() {
-                    Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &axes, weights, control)?,
-                    None => wave_power::wave_power(&plan.waves, &axes, weights, control)?,
+                    Some(taper) => tapered_power::tapered_power(taper, &plan.waves, &places, weights, control)?,
+                    None => wave_power::wave_power(&plan.waves, &places, weights, control)?,
                 };
                 sums.add(ensemble.first_index() + k as u64, ensemble.norm(k), &power, &plan.rings);
             }
@@ -93,7 +98,7 @@ impl Compute for Reference {
         at_once(|| {
             let mut sums = KernelSums::new(self.computed_by(), plan.r.len());
             for k in 0..ensemble.realizations() {
-                let curve = kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.masses(k), control)?;
+                let curve = kernel_sums::kernel_sums(plan, &ensemble.lengths(k), ensemble.weights(k), control)?;
                 sums.add(ensemble.first_index() + k as u64, &curve);
             }
             sums.close_leaf();
@@ -114,8 +119,8 @@ impl Compute for Reference {
             for leaf in indices.chunk_by(|&a, &b| leaf_of(a) == leaf_of(b)) {
                 let mut part = CovarianceSums::new(plan.stored());
                 for &k in leaf {
-                    let (axes, weights) = (ensemble.fractions(k), ensemble.weights(k));
-                    let all = wave_power::amplitudes(&plan.grid.into(), &axes, weights, control)?;
+                    let (places, weights) = (Places::of(ensemble, k), ensemble.weights(k));
+                    let all = wave_power::amplitudes(&plan.grid.into(), &places, weights, control)?;
                     wave_covariance::add(&mut part, &all[plan.grid.dc()..], ensemble.norm(k));
                 }
                 sums.add_leaf(leaf_of(leaf[0]), leaf.len() as u64, part);

@@ -14,23 +14,25 @@
 //! - translation: `w = |D| / |D intersect (D + x_i - x_j)|` (Ohser, "On estimators for the reduced second moment measure of
 //!   point processes", 1983);
 //! - isotropic, 1D and 2D: `w = |S| / |S intersect D|`, `S` the circle about `x_i` through `x_j`, in 1D its two ends
-//!   (Ripley, "The second-order analysis of stationary point processes", 1976). At most 100, as in spatstat;
+//!   (Ripley, "The second-order analysis of stationary point processes", 1976). Nothing caps it: plans stay below half the
+//!   diagonal, where it has a bound (`PairPlan::largest_isotropic`);
 //! - border: `w = 1` if `x_i` is at least as far from the border of `D` as the upper edge of the bin, else 0 (minus
 //!   sampling; Ripley, Statistical Inference for Spatial Processes, 1988, section 3.2).
 //!
 //! Points with weights `u` count `u_i u_j w`.
 //!
 //! Coordinates are integers in steps of `length_unit / 2^64`. Squared distances are compared with integer thresholds in
-//! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32.
+//! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32, and with weights of points an
+//! f64 product rounded to steps of 2^-64.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{Correction, MAX_ISOTROPIC, PairPlan};
+use crate::plan::{Correction, PairPlan};
 use crate::points::geometry::{border_distance, depth, squared_distance, weighted_pair};
-use crate::points::{Domain, UNIT_MASS};
+use crate::points::{Domain, geometry};
 
 /// The translation weight `prod_k a_k / (a_k - |h_k|)` of a pair in steps of 2^-32, rounded to nearest; `a_k` and `h_k`
 /// in units of the domain's length unit. Plans keep `r_max` below the window's shortest side, so `h_k < a_k` for
@@ -47,54 +49,65 @@ pub fn translation_weight(axes: &[&[u64]], domain: &Domain, i: usize, j: usize) 
 
 /// The isotropic weight of the ordered pair (i, j) in steps of 2^-32, in 1D and 2D; `sides` as `Domain::side_steps`.
 ///
-/// In each of the four quadrants about `x_i`, a side at distance `d < r` cuts the angle `acos(d / r)` off the circle, and
-/// the two sides cut from opposite ends: `pi/2 - acos(d_x / r) - acos(d_y / r)` is left, or nothing. `acos(d / r)` is taken
-/// as `atan2(sqrt(r^2 - d^2), d)`, with an exact difference. Libm's atan2 is the same on every machine.
+/// In each of the four quadrants about `x_i`, a side at distance `a < r` cuts the angle `acos(a / r)` off the circle, and
+/// the two sides cut from opposite ends: `pi/2 - acos(a / r) - acos(b / r)` is left, or nothing, where the corner is within the
+/// circle. With `A^2 = r^2 - a^2` and `B^2 = r^2 - b^2` (a = r and A = 0 for a side that does not cut) its tangent is
+///
+/// ```text
+/// (a^2 + b^2 - r^2) r^2 / ((a b + A B) (A b + a B))
+/// ```
+///
+/// whose differences are exact, so that what is left keeps its digits however little it is. Libm's atan2 is the same on
+/// every machine.
 pub fn isotropic_weight(axes: &[&[u64]], sides: [u64; 3], i: usize, j: usize) -> u64 {
     let square = |d: u64| u128::from(d) * u128::from(d);
     let r2: u128 = axes.iter().map(|axis| square(axis[i].abs_diff(axis[j]))).sum();
-    let cut = |d: u64| {
-        if square(d) >= r2 { 0.0 } else { libm::atan2(((r2 - square(d)) as f64).sqrt(), d as f64) }
-    };
-    let cuts = |axis: usize| [cut(axes[axis][i]), cut(sides[axis] - axes[axis][i])];
+    if r2 == 0 {
+        return 1 << 32;
+    }
+    let to_sides = |axis: usize| [axes[axis][i], sides[axis].saturating_sub(axes[axis][i])];
     if axes.len() == 1 {
         // Of two ends, one is at x_j.
-        let outside = cuts(0).into_iter().filter(|&angle| angle > 0.0).count();
-        return if outside == 0 { 1 << 32 } else { 2 << 32 };
+        return if to_sides(0).iter().all(|&d| square(d) >= r2) { 1 << 32 } else { 2 << 32 };
     }
     let mut inside = 0.0;
-    for x in cuts(0) {
-        for y in cuts(1) {
-            inside += (FRAC_PI_2 - x - y).max(0.0);
+    for x in to_sides(0) {
+        for y in to_sides(1) {
+            let (a2, b2) = (square(x).min(r2), square(y).min(r2));
+            // a^2 + b^2 may not fit.
+            if let Some(beyond) = a2.checked_sub(r2 - b2) {
+                let [a, b] = [a2, b2].map(|d2| (d2 as f64).sqrt());
+                let [chord_a, chord_b] = [r2 - a2, r2 - b2].map(|d2| (d2 as f64).sqrt());
+                let across = (a * b + chord_a * chord_b) * (chord_a * b + a * chord_b);
+                inside += libm::atan2(beyond as f64 * r2 as f64, across);
+            }
         }
     }
-    ((TAU / inside).min(MAX_ISOTROPIC) * WEIGHT_STEPS).round_ties_even() as u64
+    (TAU / inside * WEIGHT_STEPS).round_ties_even() as u64
 }
 
-/// The weight of the ordered pair (i, j) in steps of 2^-32: that of its edge correction, times those of its points, where the
-/// plan takes them into account.
-pub(super) fn pair_weight(plan: &PairPlan, axes: &[&[u64]], masses: Option<&[u32]>, i: usize, j: usize) -> u64 {
+/// The weight of the ordered pair (i, j), that of its edge correction, in steps of 2^-32; times those of its points, where the
+/// plan takes them into account, in steps of 2^-64.
+pub(super) fn pair_weight(plan: &PairPlan, axes: &[&[u64]], masses: Option<&[f64]>, i: usize, j: usize) -> u128 {
     let edge = match plan.correction {
         Correction::None | Correction::Border => 1 << 32,
         Correction::Translation => translation_weight(axes, &plan.domain, i, j),
         Correction::Isotropic => isotropic_weight(axes, plan.domain.side_steps(), i, j),
     };
-    let mass = |j: usize| masses.map_or(UNIT_MASS, |m| m[j]);
-    if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { edge }
+    let mass = |j: usize| masses.map_or(1.0, |m| m[j]);
+    if plan.masses { weighted_pair([mass(i), mass(j)], edge) } else { u128::from(edge) }
 }
 
-/// `(sum u)^2` and `sum u^2` over `n` points of weights u, in steps of 2^-48.
-pub(super) fn mass_sums(n: usize, masses: Option<&[u32]>) -> [u128; 2] {
-    let mass = |j: usize| u128::from(masses.map_or(UNIT_MASS, |m| m[j]));
-    let sum: u128 = (0..n).map(mass).sum();
-    [sum * sum, (0..n).map(|j| mass(j).pow(2)).sum()]
+/// What weights are compared with, of `n` points.
+pub(super) fn mass_sums(n: usize, masses: Option<&[f64]>) -> [u128; 2] {
+    masses.map_or_else(|| geometry::mass_sums(&vec![1.0; n]), geometry::mass_sums)
 }
 
 /// The histogram of one realization. `axes[a][j]` is the position of point `j` along axis `a`, `masses[j]` its weight.
 pub(super) fn pair_counts(
     plan: &PairPlan,
     axes: &[&[u64]],
-    masses: Option<&[u32]>,
+    masses: Option<&[f64]>,
     control: &Control,
 ) -> Result<PairHistogram> {
     let n = axes[0].len();
@@ -126,7 +139,7 @@ pub(super) fn pair_counts(
             let bin = edges_below - 1;
             counts[bin] += 1;
             if let Some(weights) = &mut weights {
-                weights[bin] += u128::from(pair_weight(plan, axes, masses, i, j));
+                weights[bin] += pair_weight(plan, axes, masses, i, j);
             }
             if let Some(border) = border.as_mut().filter(|_| depth > bin) {
                 border.counts[bin] += 1;

@@ -13,6 +13,7 @@
 //! (`TaperPlan`), q = n S is `|sum_j f(x_j) exp(..) - n F|^2`, so that sums of q over realizations are compared with sums of n
 //! as everywhere. Where points have weights w_j, f(x_j) is `w_j f(x_j)` and n in front of F their sum.
 
+use super::phases::Places;
 use super::wave_power::amplitudes;
 use crate::control::Control;
 use crate::error::Result;
@@ -22,18 +23,18 @@ use crate::plan::{Debias, TaperPlan, WaveVectors};
 pub(super) fn tapered_power(
     taper: &TaperPlan,
     waves: &WaveVectors,
-    axes: &[&[u64]],
+    places: &Places<'_>,
     weights: Option<&[f64]>,
     control: &Control,
 ) -> Result<Vec<f64>> {
-    let (dim, points) = (waves.dim(), axes[0].len());
+    let (dim, points) = (waves.dim(), places.len());
     let weight = |j: usize| weights.map_or(1.0, |w| w[j]);
     let total: f64 = (0..points).map(weight).sum();
     let tapers = taper.all(dim);
     let mut power = vec![0.0; waves.len()];
     for &orders in &tapers {
-        let tapered: Vec<f64> = (0..points).map(|j| weight(j) * taper.value(orders, axes, j)).collect();
-        let amplitudes = amplitudes(waves, axes, Some(&tapered), control)?;
+        let tapered: Vec<f64> = (0..points).map(|j| weight(j) * taper.value_at(orders, &places.fractions(j))).collect();
+        let amplitudes = amplitudes(waves, places, Some(&tapered), control)?;
         for (index, (power, [re, im])) in power.iter_mut().zip(amplitudes).enumerate() {
             let [mean_re, mean_im] = taper.transform(orders, waves.vector(index), dim).map(|f| total * f);
             *power += match taper.debias {

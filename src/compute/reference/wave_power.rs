@@ -8,40 +8,28 @@
 //! ```
 //!
 //! (periodogram; e.g. Heck, Schloemer, Deussen, "Blue Noise Sampling with Controlled Aliasing", TOG 2013, eq. 2, up to the
-//! name of n). `x_j / L` is a multiple of 2^-64, so `m . x_j / L mod 1` is exact in wrapping u64 arithmetic for integer
-//! `m`; only the sine and cosine of the reduced phase are rounded, to f64. Of any other `m` the part below 1 is multiplied in
-//! f64. Sums are compensated (Neumaier), so that the error does
-//! not grow with n.
+//! name of n), x from the corner of the box. `phases` says how `m . x_j / L mod 1` is found from coordinates as they were
+//! given; only that and the sine and cosine are rounded, to f64. Sums are compensated (Neumaier), so that the error does not grow with n.
 
+use super::phases::Places;
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::WaveVectors;
 
-/// `m . x_j / L mod 1`, in turns, in [-1/2, 1/2).
-pub fn phase_turns(axes: &[&[u64]], m: [f64; 3], j: usize) -> f64 {
-    let (mut phase, mut rest) = (0u64, 0.0);
-    for (axis, m_k) in axes.iter().zip(m) {
-        phase = phase.wrapping_add(axis[j].wrapping_mul(m_k.floor() as i64 as u64));
-        rest += (m_k - m_k.floor()) * (axis[j] as f64 / 2f64.powi(64));
-    }
-    let turns = phase as i64 as f64 / 2f64.powi(64) + rest;
-    turns - turns.round()
-}
-
 /// `|s_m|^2` for every stored mode.
 pub(super) fn wave_power(
     waves: &WaveVectors,
-    axes: &[&[u64]],
+    places: &Places<'_>,
     weights: Option<&[f64]>,
     control: &Control,
 ) -> Result<Vec<f64>> {
-    Ok(amplitudes(waves, axes, weights, control)?.into_iter().map(|[re, im]| re * re + im * im).collect())
+    Ok(amplitudes(waves, places, weights, control)?.into_iter().map(|[re, im]| re * re + im * im).collect())
 }
 
-/// `s_m`, real and imaginary part, for every stored mode. `axes[a][j]` is the fraction of point `j` along axis `a`.
-pub(in crate::compute) fn amplitudes(
+/// `s_m`, real and imaginary part, for every stored mode.
+pub(super) fn amplitudes(
     waves: &WaveVectors,
-    axes: &[&[u64]],
+    places: &Places<'_>,
     weights: Option<&[f64]>,
     control: &Control,
 ) -> Result<Vec<[f64; 2]>> {
@@ -50,8 +38,8 @@ pub(in crate::compute) fn amplitudes(
         control.check()?;
         let m = waves.vector(index);
         let (mut re, mut im) = ([0.0; 2], [0.0; 2]);
-        for j in 0..axes[0].len() {
-            let (sin, cos) = (std::f64::consts::TAU * phase_turns(axes, m, j)).sin_cos();
+        for j in 0..places.len() {
+            let (sin, cos) = (std::f64::consts::TAU * places.turns(m, j)).sin_cos();
             let weight = weights.map_or(1.0, |w| w[j]);
             add(&mut re, weight * cos);
             add(&mut im, -weight * sin);

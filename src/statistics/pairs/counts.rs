@@ -20,6 +20,9 @@ use crate::statistics::neighbors::Neighborhood;
 /// Most values kept for binning anew: histograms of all realizations.
 const MOST_HISTOGRAMS: u64 = 1 << 22;
 
+/// What rounding of the products of weights may move g by without a word.
+const LOST: f64 = 1e-9;
+
 /// The plan.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pairs {
@@ -202,6 +205,14 @@ impl Group for Pairs {
             let warning =
                 "weights of points enter g(r), K and P only: g of the vector and neighbours take every point alike";
             warnings.push(warning.to_string());
+        }
+        let pairs = subject.shape.realizations as f64 * subject.shape.mean_points.powi(2);
+        let lost = 0.5 * pairs / sums.bins.norm(0)[0].sum as f64;
+        if self.plan.masses && lost > LOST {
+            warnings.push(format!(
+                "weights of points differ so much that their products, in steps of 2^-64 of the largest squared, are off: g and K by \
+                 up to {lost:.1e} of what they are without weights"
+            ));
         }
         if self.plan.masses && one {
             let warning = "errors for a single realization take the pairs of a bin as of equal weight: with very unequal weights of \
