@@ -103,6 +103,7 @@ impl Measurement {
     pub fn new(request: Request, source: Arc<Points>, plan: Plan) -> Self {
         let span = 0..source.shape().realizations;
         let tracks = plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
+        let warnings = source.warnings().to_vec();
         Self {
             request,
             source,
@@ -115,7 +116,7 @@ impl Measurement {
             first: None,
             batch: None,
             clock: Clock::default(),
-            warnings: Vec::new(),
+            warnings,
         }
     }
 
@@ -366,6 +367,7 @@ impl Measurement {
         let source = &self.source;
         found.subject = source.subject().to_string();
         found.parameters = self.request.parameters();
+        found.input = source.input().cloned();
         found.plan = self.plan.to_string();
         found.duplicates = self.duplicates;
         found.warnings.splice(0..0, self.warnings.iter().cloned());

@@ -7,7 +7,7 @@ use pairwave::analysis::{self, Plan};
 use pairwave::compute::Device;
 use pairwave::request::{Request, shell_words};
 use pairwave::source::Points;
-use pairwave::{Result, check_threads, report};
+use pairwave::{Result, Setting, check_threads, report};
 
 use super::print;
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
@@ -47,6 +47,9 @@ impl Analyze {
         }
         let control = stop_on_interrupt()?;
         let source = Arc::new(Points::open(&self.request.input)?);
+        if !self.quiet && !self.explain {
+            print(&format!("{}\n", source.first_line()))?;
+        }
         let plan = Plan::of(&self.request, &source)?;
         let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
@@ -54,7 +57,10 @@ impl Analyze {
         }
         let plan = plan.for_device(device.compute());
         let Some(out) = out else {
-            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.computed_by().device()));
+            if !self.quiet {
+                source.warnings().iter().for_each(|warning| tell(warning));
+            }
+            return print(&format!("{}\ndevice: {}\n{plan}", source.first_line(), device.computed_by().device()));
         };
         let bar = Bar::new(self.quiet);
         let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
@@ -62,15 +68,18 @@ impl Analyze {
         analysis.parameters.push(("command".into(), command_line()));
         let files = uninterrupted(|| report::write(out, &analysis, self.force))?;
         if !self.quiet {
-            for warning in &analysis.warnings {
-                eprintln!("warning: {warning}");
-            }
+            analysis.warnings.iter().for_each(|warning| tell(warning));
             print(&report::headline(&analysis))?;
             let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
             print(&format!("{}: {}\n", out.display(), names.join(" ")))?;
         }
         Ok(())
     }
+}
+
+/// Says a warning, with settings under the names of their flags.
+fn tell(warning: &str) {
+    eprintln!("warning: {}", Setting::renamed(warning, Setting::flag));
 }
 
 /// What was typed.

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 
 use crate::shared::{Input, input, npy, read};
-use pairwave::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
+use pairwave::points::read::{Columns, MarkedPoints, ReadOptions, TypedColumns, read_marked};
 
 /// Points, weights and classes of an input with `--weight-column` and `--class-column` as given.
 fn read_columns(input: &Input, layout: Option<&str>, weight: &str, class: &str) -> Result<Vec<MarkedPoints>, String> {
@@ -11,7 +11,7 @@ fn read_columns(input: &Input, layout: Option<&str>, weight: &str, class: &str) 
     let leak = |text: &str| given(String::from(text).leak());
     let folder = format!("{}/", input.folder.path().display());
     let options = ReadOptions { raw: layout.map(|l| l.parse().unwrap()), dim: None };
-    Columns::new(leak(weight), leak(class))
+    Columns::new(&TypedColumns { weight: leak(weight), class: leak(class), ..TypedColumns::default() })
         .and_then(|columns| read_marked(std::slice::from_ref(&input.path), &options, &columns))
         .map_err(|e| e.to_string().replace(&folder, ""))
 }
