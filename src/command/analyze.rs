@@ -40,6 +40,7 @@ impl Analyze {
     pub(crate) fn run(self) -> Result<()> {
         let out = self.out.as_ref().filter(|_| !self.explain);
         if let Some(out) = out {
+            report::check_inputs(out, &self.request)?;
             report::check_out(out, self.force)?;
         }
         if let Some(threads) = self.request.threads {

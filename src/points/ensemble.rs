@@ -300,12 +300,33 @@ fn fraction(x: f64, axis: usize, domain: &Domain, wrap: bool) -> Option<f64> {
     }
 }
 
+/// How far points reach along each axis, if that is more than the side of a torus along one.
+fn beyond_box(set: &RawPoints, domain: &Domain) -> Option<String> {
+    let along =
+        |axis: usize| set.coordinates.chunks_exact(set.dim).map(move |point| point[axis]).filter(|x| x.is_finite());
+    let reach = |axis| along(axis).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let reaches: Vec<_> = (0..set.dim).map(reach).collect();
+    let shown = |(axis, (low, high)): (usize, &(f64, f64))| {
+        format!("{} to {} in {}", number(*low), number(*high), ["x", "y", "z"][axis])
+    };
+    let beyond = reaches.iter().zip(domain.sides()).any(|((low, high), side)| high - low >= *side);
+    beyond.then(|| reaches.iter().enumerate().map(shown).collect::<Vec<_>>().join(", "))
+}
+
 fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> Error {
     let name = ["x", "y", "z"][axis];
     let x_text = number(x);
     let (lo, hi) = (domain.origin()[axis], domain.origin()[axis] + domain.sides()[axis]);
     let reason = if !x.is_finite() {
         format!("{name} = {x_text} is not a finite number")
+    } else if domain.is_torus()
+        && let Some(reach) = beyond_box(set, domain)
+    {
+        // Folding would put what is far apart side by side: no advice for such points.
+        format!(
+            "{name} = {x_text} is outside [{lo}, {hi}), and the points reach from {reach}: `window` gives the window they were observed in, \
+             `sides` the sides of a larger torus; `wrap` would fold them over each other"
+        )
     } else if domain.is_torus() {
         format!(
             "{name} = {x_text} is outside [{lo}, {hi}); `wrap` folds points in, `sides` sets the sides, `window` a window"

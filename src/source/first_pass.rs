@@ -76,7 +76,8 @@ impl<'a> FirstPass<'a> {
                     let axes = point.iter().zip(domain.origin()).zip(domain.sides());
                     axes.into_iter().all(|((x, origin), side)| (0.0..*side).contains(&(x - origin)))
                 };
-                self.outside += set.points.coordinates.chunks_exact(set.points.dim).filter(|p| !inside(p)).count() as u64;
+                self.outside +=
+                    set.points.coordinates.chunks_exact(set.points.dim).filter(|p| !inside(p)).count() as u64;
                 self.domain = Some(domain);
             }
             self.sizes.push(set.points.len() as u64);

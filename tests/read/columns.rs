@@ -59,7 +59,12 @@ fn wrong_columns_are_named() {
     for (text, weight, class, message) in [
         ("x,y,w\n1,2,3\n", "mass", "", "a.csv:1: `weight_column` mass: no column of that name; there are x, y, w"),
         ("x,y,w\n1,2,3\n", "", "4", "a.csv:1: `class_column` 4: there is no such column, only 3 columns"),
-        ("x,y,w\n1,2,3\n", "2", "", "a.csv:1: column 2 is a coordinate, not a weight or a class"),
+        (
+            "x,y,w\n1,2,3\n",
+            "2",
+            "",
+            "a.csv:1: column 2 is a coordinate, not a weight or a class; `columns` names others",
+        ),
         ("x,y,w\n1,2,3\n", "3", "w", "a.csv:1: `weight_column` and `class_column` are the same column"),
         ("1 2 3\n", "w", "", "a.csv:1: `weight_column` w: no header names the columns; expected a number from 1"),
         ("x,w,w\n1,2,3\n", "w", "", "a.csv:1: `weight_column` w: two columns have that name"),
@@ -88,6 +93,6 @@ fn wrong_columns_are_named() {
     // Without a flag a fourth column stays what it was.
     assert_eq!(
         read("a.txt", "1 2 3 4\n").unwrap_err(),
-        "a.txt:1: 4 numbers in a line, expected 1, 2 or 3, or a header that names columns x, y[, z]: \"1 2 3 4\""
+        "a.txt:1: 4 numbers in a line, expected 1, 2 or 3, or a header that names columns x, y[, z], or `columns` 1,2: \"1 2 3 4\""
     );
 }

@@ -41,7 +41,10 @@ const MAGICS: [(&[u8], Named); 58] = [
     (b"# vtk DataFile", ("VTK", "save the points as CSV with ParaView")),
     (b"ASTM-E57", ("E57", CLOUD)),
     (b"glTF", ("glTF", CLOUD)),
-    (b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65", ("GSD", "save the positions with the Python package gsd and numpy as .npy, shape (K, n, d)")),
+    (
+        b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65",
+        ("GSD", "save the positions with the Python package gsd and numpy as .npy, shape (K, n, d)"),
+    ),
     (b"\x00\x00\x07\xcb", ("XTC", ATOMS)),
     (b"\x00\x00\x07\xc9", ("TRR", ATOMS)),
     (b"\x54\x00\x00\x00CORD", ("DCD", ATOMS)),
@@ -167,8 +170,11 @@ fn text(bytes: &[u8]) -> Option<Named> {
     if first.starts_with('{') || first.starts_with('[') {
         let geo = ["\"Feature", "\"coordinates\"", "\"Topology\""].iter().any(|word| head.contains(word));
         // A header may begin with a bracket; an array of numbers closes none before the next opens.
-        let json = first.starts_with('{') || first[1..].trim_start().starts_with(['[', '{', '"', '-']) || lines.len() == 1
-            || first == "[" || first[1..].trim_start().starts_with(|c: char| c.is_ascii_digit());
+        let json = first.starts_with('{')
+            || first[1..].trim_start().starts_with(['[', '{', '"', '-'])
+            || lines.len() == 1
+            || first == "["
+            || first[1..].trim_start().starts_with(|c: char| c.is_ascii_digit());
         return json.then_some(if geo { ("GeoJSON", GIS) } else { ("JSON", PANDAS) });
     }
     if let Some(found) = molecules(&lines, &all) {
@@ -196,7 +202,12 @@ fn text(bytes: &[u8]) -> Option<Named> {
     if wkt.iter().any(|word| starts(word)) && (first.contains('(') || any("POINT (") || any("POINT(")) {
         return Some(("WKT", GIS));
     }
-    if lines.iter().skip(1).take(3).any(|line| ["POINT (", "POINT(", "\"POINT (", "\"POINT("].iter().any(|p| line.contains(p))) {
+    if lines
+        .iter()
+        .skip(1)
+        .take(3)
+        .any(|line| ["POINT (", "POINT(", "\"POINT (", "\"POINT("].iter().any(|p| line.contains(p)))
+    {
         return Some(("a table with WKT geometry", GIS));
     }
     if starts("@relation") {
@@ -262,20 +273,26 @@ fn molecules(lines: &[&str], all: &[String]) -> Option<Named> {
         return Some(("XYZ (count, comment, elements)", OVITO));
     }
     let numbered = third.len() >= 4 && third[..4].iter().all(number);
-    if all.first().is_some_and(|line| whole(line)) && numbered && (second.trim().is_empty() || second.contains("Properties=")) {
+    if all.first().is_some_and(|line| whole(line))
+        && numbered
+        && (second.trim().is_empty() || second.contains("Properties="))
+    {
         return Some(("XYZ (count, comment, elements)", OVITO));
     }
     let residue = all.get(2).and_then(|line| line.trim_start().split_once(|c: char| !c.is_ascii_digit()));
     if whole(second) && third.len() >= 5 && !numbered && residue.is_some_and(|(count, _)| !count.is_empty()) {
         return Some(("GRO", ATOMS));
     }
-    let counts = |what: &str| lines.iter().any(|line| fields(line).get(1).is_some_and(|w| w == what) && whole(&fields(line)[0]));
+    let counts =
+        |what: &str| lines.iter().any(|line| fields(line).get(1).is_some_and(|w| w == what) && whole(&fields(line)[0]));
     if counts("atoms") && lines.iter().any(|line| line.contains("xlo xhi")) {
         return Some(("a LAMMPS data file", OVITO));
     }
     let scale = all.get(1).is_some_and(|line| numbers(line, 1));
     let cell = all.len() > 7 && all[2..5].iter().all(|line| numbers(line, 3));
-    let kind = |line: &String| ["direct", "cartesian", "selective"].iter().any(|k| line.trim().to_ascii_lowercase().starts_with(k));
+    let kind = |line: &String| {
+        ["direct", "cartesian", "selective"].iter().any(|k| line.trim().to_ascii_lowercase().starts_with(k))
+    };
     if scale && cell && all[5..all.len().min(9)].iter().any(kind) {
         return Some(("POSCAR (VASP)", ATOMS));
     }

@@ -185,6 +185,12 @@ fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// The files that inputs stand for, as far as they can be found.
+pub(crate) fn paths(inputs: &[PathBuf]) -> Vec<PathBuf> {
+    let expanded = inputs.iter().filter_map(|input| expand(input, &ReadOptions::default()).ok());
+    expanded.flatten().filter(|path| !is_stdin(path)).collect()
+}
+
 /// The files that one input stands for.
 fn expand(input: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
     if is_stdin(input) {
@@ -474,12 +480,22 @@ fn suspicious(sets: &[MarkedPoints], name: impl Fn(usize) -> Option<String>) -> 
             step = if step == 0.0 { s } else { step };
             s == 0.0 || s == step
         });
-        if even && step > 0.0 && blocks > 1 && FEWEST * blocks <= set.len() && !all_whole && (axis == 0 || axis + 1 == dim) {
+        if even
+            && step > 0.0
+            && blocks > 1
+            && FEWEST * blocks <= set.len()
+            && !all_whole
+            && (axis == 0 || axis + 1 == dim)
+        {
             let what = format!("column {called} has {blocks} whole numbers, each in a block, as frames have");
             let choose = format!("`realization_column` {called} makes each a realization");
             return Some(match axis == 0 && dim == 3 {
-                true => Err(format!("{what}; {choose}, `columns` {without} leaves it out, {with} takes it for a coordinate")),
-                false => Ok(format!("{what}, and was read as a coordinate; {choose}, `columns` {without} leaves it out")),
+                true => Err(format!(
+                    "{what}; {choose}, `columns` {without} leaves it out, {with} takes it for a coordinate"
+                )),
+                false => {
+                    Ok(format!("{what}, and was read as a coordinate; {choose}, `columns` {without} leaves it out"))
+                }
             });
         }
     }

@@ -96,9 +96,9 @@ fn open(name: &str, bytes: &[u8]) -> Result<Vec<Array>> {
 
 fn find<'a>(arrays: &'a [Array], wanted: &str) -> Result<&'a Array, String> {
     let exact = arrays.iter().find(|array| array.name == wanted);
-    exact.or_else(|| arrays.iter().find(|array| array.name.eq_ignore_ascii_case(wanted))).ok_or_else(|| {
-        format!("`array` {wanted}: no array of that name; there are {}", shown(arrays))
-    })
+    exact
+        .or_else(|| arrays.iter().find(|array| array.name.eq_ignore_ascii_case(wanted)))
+        .ok_or_else(|| format!("`array` {wanted}: no array of that name; there are {}", shown(arrays)))
 }
 
 fn shown(arrays: &[Array]) -> String {
@@ -142,7 +142,8 @@ fn by_themselves<'a>(arrays: &'a [Array], dim: Option<usize>, columns: &Columns)
 /// Whether a flag names an array as a column.
 fn is_named(array: &Array, columns: &Columns) -> bool {
     let marks = [columns.weight.as_ref(), columns.class.as_ref(), columns.realization()];
-    let is = |column: &super::Column| matches!(column, super::Column::Name(name) if name.eq_ignore_ascii_case(&array.name));
+    let is =
+        |column: &super::Column| matches!(column, super::Column::Name(name) if name.eq_ignore_ascii_case(&array.name));
     marks.into_iter().flatten().any(is)
 }
 
@@ -185,7 +186,8 @@ fn columns_of(name: &str, arrays: &[Array], chosen: &[&Array], columns: &Columns
         return Err(Error::input(name, reason));
     }
     let width = parts.iter().map(|(width, _)| width).sum();
-    let row = |j: usize| parts.iter().flat_map(move |(width, values)| values[j * width..(j + 1) * width].iter().copied());
+    let row =
+        |j: usize| parts.iter().flat_map(move |(width, values)| values[j * width..(j + 1) * width].iter().copied());
     let sets = vec![(0..rows).flat_map(row).collect()];
     let set = Sets { width, sets, first: None, names, format, apart: Apart::Files, digits };
     let mut sets = super::numbered(name, set, columns)?;

@@ -73,7 +73,9 @@ impl FromStr for RawLayout {
             _ => return Err(wrong(text)),
         };
         match dim {
-            "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "9" => Self::new(element, usize::from(dim.as_bytes()[0] - b'0')),
+            "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "9" => {
+                Self::new(element, usize::from(dim.as_bytes()[0] - b'0'))
+            }
             _ => Err(wrong(text)),
         }
     }

@@ -405,7 +405,8 @@ impl<'a> Parser<'a> {
         if self.fields.len() != layout.names.len() + 1 || layout.width != layout.names.len() || !(text || whole) {
             return Ok(());
         }
-        let names: Vec<Vec<u8>> = [Vec::new()].into_iter().chain(layout.names.iter().map(|n| n.clone().into())).collect();
+        let names: Vec<Vec<u8>> =
+            [Vec::new()].into_iter().chain(layout.names.iter().map(|n| n.clone().into())).collect();
         let names: Vec<&[u8]> = names.iter().map(Vec::as_slice).collect();
         let marks = match self.marks.find(names.len(), &names) {
             Ok(marks) => marks,
@@ -503,7 +504,8 @@ impl<'a> Parser<'a> {
             *seen = seen.or(here.then_some(line));
         }
         if may_comma && let [Some(comma), Some(point)] = self.decimals {
-            let reason = format!("decimal commas (line {comma}) and decimal points (line {point}) in one file; write points");
+            let reason =
+                format!("decimal commas (line {comma}) and decimal points (line {point}) in one file; write points");
             return self.fail(line, reason);
         }
         if let Some((column, values)) = self.layout.as_mut().and_then(|l| l.frames.as_mut()) {
@@ -643,8 +645,9 @@ impl<'a> Parser<'a> {
         }
         let header = layout.width > 1 && 10 * whole <= others.len();
         if self.marks.rows == Rows::WaveVectors {
-            let reason =
-                format!("line {line}, {said}, may number the columns or be a wave vector; delete it, or write 0.0 for 0");
+            let reason = format!(
+                "line {line}, {said}, may number the columns or be a wave vector; delete it, or write 0.0 for 0"
+            );
             return if header { self.fail(line, reason) } else { Ok(()) };
         }
         let note = if header {
@@ -715,24 +718,46 @@ impl<'a> Parser<'a> {
         let Seen { count, first } = self.blocks;
         if count > 0 && self.marks.realization.is_none() && 2 * count < points as u64 {
             let blocks = plural(count + 1, "block");
-            note(first, format!("blank lines leave {blocks} of points, read as {one}; `realization_column` blank-lines makes each block a realization"));
+            note(
+                first,
+                format!(
+                    "blank lines leave {blocks} of points, read as {one}; `realization_column` blank-lines makes each block a realization"
+                ),
+            );
         }
         if let Some((column, values)) = layout.frames.as_ref().filter(|_| self.marks.realization.is_none()) {
             let (column, values) = (layout.name(*column), values.len());
             if values > 1 && values < points {
                 let many = if values < MOST_FRAMES { values.to_string() } else { format!("more than {values}") };
-                note(layout.line, format!("column {column} has {many} values and was not used: {points} points are {one}; `realization_column` {column} makes each value one"));
+                note(
+                    layout.line,
+                    format!(
+                        "column {column} has {many} values and was not used: {points} points are {one}; `realization_column` {column} makes each value one"
+                    ),
+                );
             }
         }
         if let Some(k) = layout.columns.iter().find(|&&k| layout.names.get(k).is_some_and(|n| is_degrees(n))) {
-            note(layout.line, format!("column {} holds degrees by its name; distances in degrees differ with direction and latitude: convert to metres first (UTM or another projection)", layout.name(*k)));
+            note(
+                layout.line,
+                format!(
+                    "column {} holds degrees by its name; distances in degrees differ with direction and latitude: convert to metres first (UTM or another projection)",
+                    layout.name(*k)
+                ),
+            );
         }
         let chosen = !self.marks.coordinates.is_empty();
-        if !chosen && self.marks.rows == Rows::Points && let Some(found) = super::suspicious(&self.sets, |k| {
-            let column = layout.columns[k];
-            let named_axis = layout.names.get(column).is_some_and(|n| named_columns(&[without_unit(n.as_bytes())]).is_ok_and(|c| !c.is_empty()) || ["y", "z"].iter().any(|a| n.eq_ignore_ascii_case(a)));
-            (!named_axis).then(|| layout.name(column))
-        }) {
+        if !chosen
+            && self.marks.rows == Rows::Points
+            && let Some(found) = super::suspicious(&self.sets, |k| {
+                let column = layout.columns[k];
+                let named_axis = layout.names.get(column).is_some_and(|n| {
+                    named_columns(&[without_unit(n.as_bytes())]).is_ok_and(|c| !c.is_empty())
+                        || ["y", "z"].iter().any(|a| n.eq_ignore_ascii_case(a))
+                });
+                (!named_axis).then(|| layout.name(column))
+            })
+        {
             match found {
                 Ok(text) => note(layout.line, text),
                 Err(reason) => return self.fail(layout.line, reason),
@@ -743,7 +768,11 @@ impl<'a> Parser<'a> {
             true => format!(", header in line {}", layout.line),
             false => String::new(),
         };
-        let rows = if layout.header && layout.width > layout.names.len() && !layout.names.is_empty() { ", rows with names" } else { "" };
+        let rows = if layout.header && layout.width > layout.names.len() && !layout.names.is_empty() {
+            ", rows with names"
+        } else {
+            ""
+        };
         let encoding = if self.encoding.is_empty() { String::new() } else { format!(" in {}", self.encoding) };
         reading.format = format!("text{encoding}{header}{rows}{commas}");
         reading.columns = layout.columns.iter().map(|&k| layout.name(k)).collect();
@@ -795,7 +824,14 @@ fn separator_line(line: &[u8]) -> Option<u8> {
 /// What separates the fields of a header, where something other than blanks does.
 fn delimiter(content: &[u8]) -> Option<u8> {
     let mut quoted = false;
-    let outside: Vec<u8> = content.iter().copied().filter(|&b| { quoted ^= b == b'"'; !quoted }).collect();
+    let outside: Vec<u8> = content
+        .iter()
+        .copied()
+        .filter(|&b| {
+            quoted ^= b == b'"';
+            !quoted
+        })
+        .collect();
     [b';', b',', b'\t'].into_iter().find(|d| outside.contains(d))
 }
 
@@ -940,15 +976,39 @@ fn plain(name: &[u8]) -> String {
 
 /// Whether a column of this name numbers the points: it must not pass for a coordinate where no column is named x.
 fn is_label(name: &[u8]) -> bool {
-    name.is_empty() || ["id", "index", "idx", "no", "nr", "number", "label", "row", "fid", "objectid", "pointid"].contains(&plain(name).as_str())
+    name.is_empty()
+        || ["id", "index", "idx", "no", "nr", "number", "label", "row", "fid", "objectid", "pointid"]
+            .contains(&plain(name).as_str())
 }
 
 /// Whether a column of this name tells realizations apart.
 fn is_frame(name: &[u8]) -> bool {
     const NAMES: [&str; 25] = [
-        "frame", "frames", "timestep", "time", "t", "step", "snapshot", "realization", "realisation", "replicate",
-        "replication", "rep", "batch", "run", "trial", "set", "sample", "simulation", "sim", "iteration", "iter", "image",
-        "slice", "epoch", "experiment",
+        "frame",
+        "frames",
+        "timestep",
+        "time",
+        "t",
+        "step",
+        "snapshot",
+        "realization",
+        "realisation",
+        "replicate",
+        "replication",
+        "rep",
+        "batch",
+        "run",
+        "trial",
+        "set",
+        "sample",
+        "simulation",
+        "sim",
+        "iteration",
+        "iter",
+        "image",
+        "slice",
+        "epoch",
+        "experiment",
     ];
     let name = plain(name);
     let bare = ["id", "number", "index", "idx", "no", "nr"].iter().find_map(|end| name.strip_suffix(end));
@@ -959,7 +1019,8 @@ fn is_frame(name: &[u8]) -> bool {
 fn is_degrees(name: &str) -> bool {
     let name = plain(name.as_bytes());
     ["longitude", "latitude"].iter().any(|word| name.contains(word))
-        || ["lon", "lat", "lng", "long", "ra", "dec", "deg", "londeg", "latdeg", "lonwgs84", "latwgs84"].contains(&name.as_str())
+        || ["lon", "lat", "lng", "long", "ra", "dec", "deg", "londeg", "latdeg", "lonwgs84", "latwgs84"]
+            .contains(&name.as_str())
         || name.ends_with("degrees")
 }
 

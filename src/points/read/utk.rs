@@ -35,7 +35,10 @@ pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> 
     };
     let (one, number) = (rows.one(), rows.number());
     if !(1..=3).contains(&d) && columns.coordinates.is_empty() {
-        return Err(Error::input(name, format!("{d} {number}s per {one}; 1, 2 or 3 are supported, and `columns` chooses them, as in 1,2")));
+        return Err(Error::input(
+            name,
+            format!("{d} {number}s per {one}; 1, 2 or 3 are supported, and `columns` chooses them, as in 1,2"),
+        ));
     }
     if m == 0 || (n == 0 && m > 1) {
         return Err(Error::input(name, format!("no {one}s: {m} sets of {n} {one}s")));
