@@ -296,7 +296,7 @@ impl<'a> Parser<'a> {
     fn numbers_columns_beside_index(&self, content: &[u8]) -> bool {
         let (content, fields, _) = header_fields(content, self.separator);
         let names: Vec<&[u8]> = fields.iter().map(|f| unquoted(&content[f.clone()])).collect();
-        names.len() > 1 && names[0].is_empty() && numbers_columns(&names[1..])
+        names.len() > 1 && names[0].is_empty() && names[1] == b"0" && numbers_columns(&names[1..])
     }
 
     /// Takes a lone integer on the first line of a set for PSA's point count, unless points are known to be 1-D.
@@ -559,9 +559,6 @@ impl<'a> Parser<'a> {
         let delimiter = if self.marks.any() && self.separator.is_none() { delimiter(content) } else { self.separator };
         if let Some(delimiter) = delimiter {
             split_strictly(content, delimiter, &mut self.fields);
-            while self.fields.last().is_some_and(Range::is_empty) {
-                self.fields.pop();
-            }
         } else if has_decimal_comma(content) && !split_decimals(content, &mut self.fields) {
             return self.fail(line, decimal_comma(content));
         }
