@@ -93,7 +93,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             1,
             "points: pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
         ),
-        ("analyze ok.csv --window 0,1", 1, "ok.csv: 2 coordinates per point, but --box or --window has 1 axis; --columns chooses fewer, as in 1"),
+        (
+            "analyze ok.csv --window 0,1",
+            1,
+            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis; --columns chooses fewer, as in 1",
+        ),
         ("analyze ok.csv --window 0,1,2", 2, "--window 0,1,2: expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"),
         (
             "analyze ok.csv --window 0,1,1,0",

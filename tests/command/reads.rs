@@ -12,7 +12,7 @@ fn the_first_line_says_what_was_read() {
         "a.csv",
         &format!("id,x [m],y [m]\n{}", ROWS.lines().map(|row| format!("t,{row}\n")).collect::<String>()),
     );
-    let frames: String = ROWS.lines().enumerate().map(|(j, row)| format!("{},{row}\n", (j + 2) / 3)).collect();
+    let frames: String = ROWS.lines().enumerate().map(|(j, row)| format!("{},{row}\n", j.div_ceil(3))).collect();
     scratch.file("frames.csv", &format!("frame,x,y\n{frames}"));
     scratch.file("numbered.csv", &format!("0,1\n{ROWS}"));
     scratch.file("flat.csv", &format!("x,y,z\n{}", ROWS.lines().map(|row| format!("{row},0\n")).collect::<String>()));
