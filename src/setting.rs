@@ -43,6 +43,12 @@ settings! {
     Params = "params",
     /// Layout of raw numbers.
     Raw = "raw",
+    /// Arrays of an archive that hold points.
+    Array = "array",
+    /// Columns of coordinates.
+    Columns = "columns",
+    /// Column that tells realizations apart.
+    RealizationColumn = "realization_column",
     /// Column of weights.
     WeightColumn = "weight_column",
     /// Column of classes.
@@ -132,6 +138,11 @@ impl fmt::Display for Setting {
 }
 
 impl Setting {
+    /// A text, such as a warning, with every setting that it mentions under the name that `name` has for it.
+    pub fn renamed(text: &str, name: impl Fn(Self) -> &'static str) -> String {
+        renamed(text, name)
+    }
+
     /// How the text of a reason mentions it: `` `r_max` ``.
     pub fn mention(self) -> String {
         format!("`{self}`")

@@ -103,6 +103,7 @@ impl Measurement {
     pub fn new(request: Request, source: Arc<Points>, plan: Plan) -> Self {
         let span = 0..source.shape().realizations;
         let tracks = plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
+        let warnings = source.warnings().to_vec();
         Self {
             request,
             source,
@@ -115,7 +116,7 @@ impl Measurement {
             first: None,
             batch: None,
             clock: Clock::default(),
-            warnings: Vec::new(),
+            warnings,
         }
     }
 
@@ -288,15 +289,6 @@ impl Measurement {
                 false => batch.slice(first..last + 1).duplicates(),
             };
         }
-        if start == 0 && new.first() == Some(&0) {
-            for (axis, largest, step, apart) in batch.coarse_axes(0) {
-                self.warnings.push(format!(
-                    "{} comes in steps of {step}, those of float32 at {largest}, beside a mean distance of about {apart:.3} between \
-                     neighbours: take the offset off before coordinates are stored, or store them in float64",
-                    ["x", "y", "z"][axis]
-                ));
-            }
-        }
         for k in new {
             self.sizes.insert(start + k as u64, batch.points_in(k) as u64);
         }
@@ -396,6 +388,7 @@ impl Measurement {
         let source = &self.source;
         found.subject = source.subject().to_string();
         found.parameters = self.request.parameters();
+        found.input = source.input().cloned();
         found.plan = self.plan.to_string();
         found.duplicates = self.duplicates;
         found.warnings.splice(0..0, self.warnings.iter().cloned());

@@ -103,6 +103,7 @@ impl Measurement {
         if let Some(difference) = difference("", &domain(&self.source), &domain(&source)) {
             return Err(Error::input(source.subject(), format!("other points were measured: {difference}")));
         }
+        // It was known at the first time what there is to know about them.
         self.source = source;
         self.plan = self.plan.clone().for_device(device.compute());
         self.tracks.iter_mut().for_each(|track| track.part.suit(device.compute()));
@@ -117,6 +118,7 @@ impl Measurement {
         out.value("identity", self.identity());
         out.value("subject", source.subject());
         out.value("classes", source.classes().to_vec());
+        out.value("input", json!(source.input()));
         out.value("request", request_values(&self.request));
         let shape = source.shape();
         out.value("shape", json!([shape.realizations, shape.mean_points.to_bits(), shape.max_points]));
@@ -174,7 +176,10 @@ impl Measurement {
         // Those of a sampler are made anew.
         let source = match (&request.input.sampler, identity["points"]["sampler"].is_string()) {
             (Some(_), true) => Points::open(&request.input)?,
-            _ => Points::elsewhere(from.read("subject")?, domain.clone(), shape, classes, identity["points"].clone()),
+            _ => {
+                let (subject, points) = (from.read("subject")?, identity["points"].clone());
+                Points::elsewhere(subject, domain.clone(), shape, classes, points, from.read("input")?)
+            }
         };
         let mut read = Self::new(request, Arc::new(source), plan);
         if let Some(difference) = difference("", &identity, &read.identity()) {

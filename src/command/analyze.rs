@@ -7,7 +7,7 @@ use pairwave::analysis::{self, Plan};
 use pairwave::compute::Device;
 use pairwave::request::{Request, shell_words};
 use pairwave::source::Points;
-use pairwave::{Result, check_threads, report};
+use pairwave::{Result, Setting, check_threads, report};
 
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
 use super::{print, tell};
@@ -40,6 +40,7 @@ impl Analyze {
     pub(crate) fn run(self) -> Result<()> {
         let out = self.out.as_ref().filter(|_| !self.explain);
         if let Some(out) = out {
+            report::check_inputs(out, &self.request)?;
             report::check_out(out, self.force)?;
         }
         if let Some(threads) = self.request.threads {
@@ -47,6 +48,9 @@ impl Analyze {
         }
         let control = stop_on_interrupt()?;
         let source = Arc::new(Points::open(&self.request.input)?);
+        if !self.quiet && !self.explain {
+            print(&format!("{}\n", source.first_line()))?;
+        }
         let plan = Plan::of(&self.request, &source)?;
         let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
@@ -54,7 +58,10 @@ impl Analyze {
         }
         let plan = plan.for_device(device.compute());
         let Some(out) = out else {
-            return print(&format!("{}\ndevice: {}\n{plan}", source.subject(), device.computed_by().device()));
+            if !self.quiet {
+                source.warnings().iter().for_each(|warning| warn(warning));
+            }
+            return print(&format!("{}\ndevice: {}\n{plan}", source.first_line(), device.computed_by().device()));
         };
         let bar = Bar::new(self.quiet, &control);
         let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
@@ -62,15 +69,18 @@ impl Analyze {
         analysis.parameters.push(("command".into(), command_line()));
         let files = uninterrupted(|| report::write(out, &analysis, self.force))?;
         if !self.quiet {
-            for warning in &analysis.warnings {
-                tell(&format!("warning: {warning}"));
-            }
+            analysis.warnings.iter().for_each(|warning| warn(warning));
             print(&report::headline(&analysis))?;
             let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
             print(&format!("{}: {}\n", out.display(), names.join(" ")))?;
         }
         Ok(())
     }
+}
+
+/// Says a warning, with settings under the names of their flags.
+fn warn(warning: &str) {
+    tell(&format!("warning: {}", Setting::renamed(warning, Setting::flag)));
 }
 
 /// What was typed.

@@ -6,6 +6,7 @@ use std::fmt::Debug;
 
 use crate::accumulate::ComputedBy;
 use crate::plan::{Accuracy, Conventions, Correction, EnsembleShape};
+use crate::points::read::Input;
 use crate::points::{Domain, Ensemble};
 
 /// What one statistic found. Every type will do; what else it should do is in its own file.
@@ -53,6 +54,8 @@ impl Findings {
 pub struct Analysis {
     /// What was analyzed, in words: `sampler jittered, n 1024, K 20, seed 1` or the input files.
     pub subject: String,
+    /// What was read, where it was read from files.
+    pub input: Option<Input>,
     /// Settings as (name, value), in a fixed order, for the summary.
     pub parameters: Vec<(String, String)>,
     /// The domain.
@@ -104,6 +107,7 @@ impl Analysis {
     pub fn new(subject: impl Into<String>, shape: EnsembleShape, first: Ensemble, computed_by: ComputedBy) -> Self {
         Self {
             subject: subject.into(),
+            input: None,
             parameters: Vec::new(),
             domain: first.domain().clone(),
             shape,

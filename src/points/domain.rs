@@ -1,7 +1,7 @@
 //! Where points live: a torus that wraps, or a rectangular window that does not.
 
 use super::fixed_point::{difference, steps};
-use crate::error::{Error, Result, numbers};
+use crate::error::{Error, Result, number, numbers};
 use crate::named::named;
 use crate::setting::Setting;
 
@@ -17,6 +17,21 @@ pub enum Boundary {
 }
 
 named!(Boundary: Torus = "torus", Window = "window");
+
+/// `unit torus`, `torus of sides 2, 1`, `window [0, 10] x [0, 5]`.
+impl std::fmt::Display for Domain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.boundary {
+            Boundary::Torus if self.sides.iter().all(|&s| s == 1.0) => f.write_str("unit torus"),
+            Boundary::Torus => write!(f, "torus of sides {}", numbers(self.sides.iter().copied()).replace(',', ", ")),
+            Boundary::Window => {
+                let range = |(&o, &s): (&f64, &f64)| format!("[{}, {}]", number(o), number(o + s));
+                let ranges: Vec<_> = self.origin.iter().zip(&self.sides).map(range).collect();
+                write!(f, "window {}", ranges.join(" x "))
+            }
+        }
+    }
+}
 
 /// An axis-aligned box in 1, 2 or 3 dimensions. Torus: `[origin, origin + side)`; window: closed on both ends.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

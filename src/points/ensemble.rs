@@ -39,9 +39,6 @@ pub struct Ensemble {
     classes: Option<Vec<u32>>,
 }
 
-/// Steps of float32 below this part of the distance of neighbours are not worth a word.
-const COARSE: f64 = 1e-3;
-
 impl Ensemble {
     /// Checks and converts realizations. `wrap` folds points outside a torus back in; without it (and always for a
     /// window) a point outside is an error that names the point.
@@ -270,25 +267,6 @@ impl Ensemble {
         Self { domain: domain.clone(), lengths, coordinates: None, ..self.clone() }
     }
 
-    /// The axes along which the points of realization `k` are all numbers of float32, coarse beside the mean distance of
-    /// neighbours among as many random points: each with the largest coordinate, the step there, and the distance.
-    pub fn coarse_axes(&self, k: usize) -> Vec<(usize, f64, f64, f64)> {
-        let Some(axes) = self.coordinates(k).filter(|_| self.points_in(k) > 1) else { return Vec::new() };
-        let dim = self.domain.dim();
-        let mean = [0.5, 0.5, 0.553_96][dim - 1];
-        let apart = mean * (self.domain.measure() / self.points_in(k) as f64).powf(1.0 / dim as f64);
-        let coarse = |(axis, x): (usize, &[f64])| {
-            let largest = x.iter().fold(0.0f64, |l, x| l.max(x.abs()));
-            // Of an f32 with 24 bits.
-            let step = 2f64.powi(libm::ilogb(largest).clamp(-126, 127) - 23);
-            let of_f32 = x.iter().all(|&x| f64::from(x as f32) == x);
-            // Whole numbers, or other steps that are not those of float32, are what was measured.
-            let finest = x.iter().any(|x| (x / (2.0 * step)).fract() != 0.0);
-            (step > COARSE * apart && of_f32 && finest).then_some((axis, largest, step, apart))
-        };
-        axes.into_iter().enumerate().filter_map(coarse).collect()
-    }
-
     /// Number of points that coincide with an earlier point of the same realization: on a torus to 2^-64 of a side, in a
     /// window by their coordinates, where these are there.
     pub fn duplicates(&self) -> u64 {
@@ -353,12 +331,33 @@ fn fraction([whole, rest]: [f64; 2], side: f64, domain: &Domain) -> u64 {
     if domain.is_torus() { steps as u64 } else { steps.min(1 << 64) as u64 }
 }
 
+/// How far points reach along each axis, if that is more than the side of a torus along one.
+fn beyond_box(set: &RawPoints, domain: &Domain) -> Option<String> {
+    let along =
+        |axis: usize| set.coordinates.chunks_exact(set.dim).map(move |point| point[axis]).filter(|x| x.is_finite());
+    let reach = |axis| along(axis).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let reaches: Vec<_> = (0..set.dim).map(reach).collect();
+    let shown = |(axis, (low, high)): (usize, &(f64, f64))| {
+        format!("{} to {} in {}", number(*low), number(*high), ["x", "y", "z"][axis])
+    };
+    let beyond = reaches.iter().zip(domain.sides()).any(|((low, high), side)| high - low >= *side);
+    beyond.then(|| reaches.iter().enumerate().map(shown).collect::<Vec<_>>().join(", "))
+}
+
 fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> Error {
     let name = ["x", "y", "z"][axis];
     let x_text = number(x);
     let (lo, hi) = (domain.origin()[axis], domain.origin()[axis] + domain.sides()[axis]);
     let reason = if !x.is_finite() {
         format!("{name} = {x_text} is not a finite number")
+    } else if domain.is_torus()
+        && let Some(reach) = beyond_box(set, domain)
+    {
+        // Folding would put what is far apart side by side: no advice for such points.
+        format!(
+            "{name} = {x_text} is outside [{lo}, {hi}), and the points reach from {reach}: `window` gives the window they were observed in, \
+             `sides` the sides of a larger torus; `wrap` would fold them over each other"
+        )
     } else if domain.is_torus() {
         format!(
             "{name} = {x_text} is outside [{lo}, {hi}); `wrap` folds points in, `sides` sets the sides, `window` a window"

@@ -21,8 +21,10 @@ use std::path::{Path, PathBuf};
 
 pub use headline::headline;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::estimate::Analysis;
+use crate::request::Request;
+use crate::setting::Setting;
 
 /// The page, and what marks a result.
 const PAGE: &str = "report.html";
@@ -39,6 +41,31 @@ fn names() -> Vec<&'static str> {
 /// Why nothing can be written there.
 pub fn check_out(dir: &Path, force: bool) -> Result<()> {
     result_dir::check_out(&names(), dir, force)
+}
+
+/// Whether a result in `dir` would replace what a request reads, or lie among its points.
+///
+/// # Errors
+/// The file or folder, by its name.
+pub fn check_inputs(dir: &Path, request: &Request) -> Result<()> {
+    let Ok(out) = dir.canonicalize() else { return Ok(()) };
+    let refuse = |reason: String| Err(Error::setting(Setting::Out, dir.display(), reason));
+    for folder in request.input.files.iter().filter(|input| input.is_dir()) {
+        if folder.canonicalize().is_ok_and(|folder| folder == out) {
+            return refuse(
+                "is read as points; a result among them would be read as points too; expected another directory".into(),
+            );
+        }
+    }
+    let lists = request.edges.iter().chain(&request.frequencies).cloned();
+    for path in crate::points::read::paths(&request.input.files).into_iter().chain(lists) {
+        let Ok(path) = path.canonicalize() else { continue };
+        let name = path.file_name().and_then(|name| name.to_str()).filter(|name| names().contains(name));
+        if let Some(name) = name.filter(|_| path.parent() == Some(&out)) {
+            return refuse(format!("holds {name}, which is read and would be replaced; expected another directory"));
+        }
+    }
+    Ok(())
 }
 
 /// Writes everything `analysis` holds into `dir` and returns the paths, `summary.json` last. `dir` is created; a result

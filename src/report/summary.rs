@@ -74,6 +74,7 @@ pub(super) fn json(a: &Analysis, files: Vec<&'static str>) -> serde_json::Result
     keys.add("program", env!("CARGO_PKG_NAME"))?;
     keys.add("version", env!("CARGO_PKG_VERSION"))?;
     keys.add("subject", &a.subject)?;
+    keys.add("input", &a.input)?;
     keys.add("parameters", &InOrder(joined(&a.parameters)))?;
     keys.add("n", &Sizes { min: a.min_points, mean: a.shape.mean_points, max: a.shape.max_points })?;
     keys.add("k", &a.shape.realizations)?;

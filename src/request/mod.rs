@@ -99,6 +99,25 @@ pub struct PointsRequest {
     #[cfg_attr(feature = "cli", arg(long, value_name = "TYPExD", value_parser = typed::raw_layout))]
     pub raw: Option<RawLayout>,
 
+    /// Arrays of an .npz that hold the points
+    ///
+    /// The arrays of an .npz archive that hold the points: one, or one per coordinate, as in x,y.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME[,NAME]"))]
+    pub array: Option<String>,
+
+    /// Columns of the coordinates, as in x,y
+    ///
+    /// The columns that hold the coordinates, by their names or their numbers from 1, as in x,y or 2,3.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C1,C2[,C3]"))]
+    pub columns: Option<String>,
+
+    /// The column whose values are realizations
+    ///
+    /// The column, by its name or its number from 1, each of whose values is a realization: a frame, a run. The word
+    /// blank-lines tells them apart by blank lines.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "COLUMN"))]
+    pub realization_column: Option<String>,
+
     /// The column that holds the weight of each point
     ///
     /// The column that holds the weight of each point, by its name or its number from 1.

@@ -109,7 +109,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 45] = [
+pub static SETTINGS: [Row; 48] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -118,6 +118,10 @@ pub static SETTINGS: [Row; 45] = [
     row!(Seed, "--seed", input.seed, Points, usual: true, for_samplers: true, default: Some("1")),
     row!(Params, "--param", input.params, Points, usual: true, for_samplers: true),
     row!(Raw, "--raw", input.raw, Points, conflicts: &[Setting::Sampler]),
+    row!(Array, "--array", input.array, Points, conflicts: &[Setting::Sampler, Setting::Raw]),
+    row!(Columns, "--columns", input.columns, Points, usual: true, conflicts: &[Setting::Sampler],
+        otherwise: "x, y, z by name, else all of 1 to 3"),
+    row!(RealizationColumn, "--realization-column", input.realization_column, Points, conflicts: &[Setting::Sampler]),
     row!(WeightColumn, "--weight-column", input.weight_column, Points, conflicts: &[Setting::Sampler],
         statistics: &[Pcf, KFunction, Spectrum, Radial, Covariance], refused: Some("has no weights of points")),
     row!(ClassColumn, "--class-column", input.class_column, Points, conflicts: &[Setting::Sampler], statistics: &[Pcf]),

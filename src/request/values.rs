@@ -422,6 +422,7 @@ mod tests {
         for line in [
             "--sampler jittered -n 100 -k 4 --dim 3 --seed 9 --param a=1 --domain torus --box 1,2.5,1e-7 --wrap",
             "--raw f32x2 --weight-column w --class-column=-3 --window=-1,1,0,2 --classes a,b x.npy",
+            "--columns x,y --realization-column frame --array a,b x.npz",
             "--stats pcf,k-function --r-max 0.25 --bins 12 --bin-scale log --beyond-half --lag-bins 8 --lag-max 0.125 x",
             "--kernel gaussian --bandwidth 0.001 --divisor d --exact-kernel --correction border --envelope 19 x",
             "--edges e.txt --frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",

@@ -28,6 +28,9 @@ impl Deref for AnySampler {
     }
 }
 
+/// Most realizations of a run. Of each its number of points is kept, so this is 16 GiB.
+const MAX_REALIZATIONS: u64 = 1 << 30;
+
 /// A sampler with everything that determines its realizations.
 pub struct Process {
     /// The sampler.
@@ -66,6 +69,12 @@ impl Process {
         sampler.check(n, dim, &values)?;
         if realizations == 0 {
             return Err(Error::setting(Setting::Realizations, 0, "expected at least 1 realization"));
+        }
+        if realizations > MAX_REALIZATIONS {
+            let reason = format!(
+                "expected at most {MAX_REALIZATIONS} realizations: what is kept of each would not fit into the memory of a machine"
+            );
+            return Err(Error::setting(Setting::Realizations, realizations, reason));
         }
         Ok(Self { sampler, values, n, realizations, dim, seed })
     }

@@ -1,15 +1,17 @@
 //! A look at all points, once, before any is used.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use serde_json::json;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::files::{Files, Marking};
+use super::precision::Extent;
 use super::weights::Weights;
 use super::{Kind, Points, domain};
 use crate::error::{Error, Result};
-use crate::points::read::MarkedPoints;
+use crate::points::read::{Input, MarkedPoints, Reading};
 use crate::points::{Domain, Ensemble, EnsembleShape};
 use crate::request::PointsRequest;
 use crate::setting::Setting;
@@ -23,7 +25,17 @@ pub(super) struct FirstPass<'a> {
     pub(super) weights: Weights,
     pub(super) names: Vec<String>,
     pub(super) numbers: HashMap<String, u32>,
+    pub(super) input: Input,
+    notes: Vec<String>,
+    more_notes: u64,
+    last: Option<Arc<Reading>>,
+    extent: Extent,
+    domain: Option<Domain>,
+    outside: u64,
 }
+
+/// So many remarks about files are shown; of the rest, how many there are.
+const MOST_NOTES: usize = 20;
 
 impl<'a> FirstPass<'a> {
     pub(super) fn new(request: &'a PointsRequest) -> Self {
@@ -35,6 +47,13 @@ impl<'a> FirstPass<'a> {
             weights: Weights::default(),
             names: Vec::new(),
             numbers: HashMap::new(),
+            input: Input::default(),
+            notes: Vec::new(),
+            more_notes: 0,
+            last: None,
+            extent: Extent::default(),
+            domain: None,
+            outside: 0,
         }
     }
 
@@ -43,9 +62,24 @@ impl<'a> FirstPass<'a> {
         domain(self.request, self.dim.ok_or_else(nothing)?)
     }
 
-    pub(super) fn see(&mut self, sets: &[MarkedPoints]) {
+    pub(super) fn see(&mut self, sets: &[MarkedPoints]) -> Result<()> {
         for set in sets {
             self.dim.get_or_insert(set.points.dim);
+            self.read(&set.reading);
+            self.extent.see(&set.points, set.reading.digits);
+            if self.request.wrap {
+                let domain = match self.domain.take() {
+                    Some(domain) => domain,
+                    None => self.domain()?,
+                };
+                let inside = |point: &[f64]| {
+                    let axes = point.iter().zip(domain.origin()).zip(domain.sides());
+                    axes.into_iter().all(|((x, origin), side)| (0.0..*side).contains(&(x - origin)))
+                };
+                self.outside +=
+                    set.points.coordinates.chunks_exact(set.points.dim).filter(|p| !inside(p)).count() as u64;
+                self.domain = Some(domain);
+            }
             self.sizes.push(set.points.len() as u64);
             self.hash.update(&(set.points.len() as u64).to_le_bytes());
             for x in set.points.coordinates.iter().chain(&set.weights) {
@@ -61,6 +95,42 @@ impl<'a> FirstPass<'a> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Notes how a file was read, once.
+    fn read(&mut self, reading: &Arc<Reading>) {
+        if self.last.as_ref().is_some_and(|last| Arc::ptr_eq(last, reading) || last == reading) {
+            return;
+        }
+        self.input.see(reading);
+        for note in &reading.notes {
+            if self.notes.contains(note) {
+                continue;
+            }
+            match self.notes.len() < MOST_NOTES {
+                true => self.notes.push(note.clone()),
+                false => self.more_notes += 1,
+            }
+        }
+        self.last = Some(reading.clone());
+    }
+
+    /// What the user should know.
+    fn warnings(&self, domain: &Domain) -> Vec<String> {
+        let mut warnings = self.notes.clone();
+        if self.more_notes > 0 {
+            warnings.push(format!("{} more remarks of this kind about other files", self.more_notes));
+        }
+        let points: u64 = self.sizes.iter().sum();
+        if self.request.wrap {
+            let were = if self.outside == 1 { "was" } else { "were" };
+            warnings.push(format!("{} of {points} points {were} outside the box and folded into it", self.outside));
+        }
+        warnings.extend(self.extent.flat(&self.input));
+        let mean = points as f64 / self.sizes.len().max(1) as f64;
+        warnings.extend(self.extent.coarse(domain, mean));
+        warnings
     }
 
     /// Whether points that are not held can be used.
@@ -79,7 +149,9 @@ impl<'a> FirstPass<'a> {
         files: impl FnOnce(Marking) -> Files,
     ) -> Result<Points> {
         let domain = self.domain()?;
-        let Self { request, sizes, hash, weights, names, numbers, .. } = self;
+        let warnings = self.warnings(&domain);
+        let Self { request, sizes, hash, weights, names, numbers, mut input, outside, .. } = self;
+        input.wrapped = request.wrap.then_some(outside);
         let mut marks = Marking {
             wrap: request.wrap,
             largest: request.weight_column.is_some().then_some(weights.largest),
@@ -101,8 +173,22 @@ impl<'a> FirstPass<'a> {
             "digest": format!("{:032x}", hash.digest128()),
             "weights": request.weight_column,
             "classes": request.class_column,
+            "columns": request.columns,
+            "realizations": request.realization_column,
+            "arrays": request.array,
             "wrap": request.wrap,
         });
-        Ok(Points { subject, domain, shape: EnsembleShape::of(&sizes), identity, classes: names, weights, kind })
+        Ok(Points {
+            subject,
+            domain,
+            shape: EnsembleShape::of(&sizes),
+            identity,
+            classes: names,
+            weights,
+            fewest: sizes.iter().copied().min().unwrap_or(0),
+            input: Some(input),
+            warnings,
+            kind,
+        })
     }
 }

@@ -2,6 +2,7 @@
 
 mod files;
 mod first_pass;
+mod precision;
 mod weights;
 
 use std::ops::Range;
@@ -18,7 +19,9 @@ use weights::Weights;
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::MEMORY_BUDGET;
-use crate::points::read::{Columns, MarkedPoints, PointFile, ReadOptions, each_piece, extension, read_bytes};
+use crate::points::read::{
+    Columns, Input, MarkedPoints, PointFile, ReadOptions, TypedColumns, each_piece, extension, read_bytes,
+};
 use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints, counts_in_pairs};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
 use crate::samplers::{self, Process};
@@ -33,6 +36,12 @@ pub struct Points {
     identity: Value,
     classes: Vec<String>,
     weights: Weights,
+    /// The fewest points of a realization, where that is known.
+    fewest: u64,
+    /// What was read, if it was read.
+    input: Option<Input>,
+    /// What the user should know about that.
+    warnings: Vec<String>,
     kind: Kind,
 }
 
@@ -84,13 +93,13 @@ impl Points {
     /// The same where files are held in memory up to `budget` bytes, and read again when they are needed beyond that.
     #[doc(hidden)]
     pub fn files_within(request: &PointsRequest, budget: u64) -> Result<Self> {
-        let columns = Columns::new(request.weight_column.as_deref(), request.class_column.as_deref())?;
+        let columns = columns(request)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let mut pass = FirstPass::new(request);
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
         let (mut files, mut first) = (Vec::new(), 0);
         each_piece(&request.files, &options, &columns, |_, file, piece| {
-            pass.see(&piece);
+            pass.see(&piece)?;
             let numbers =
                 |set: &MarkedPoints| set.points.coordinates.len() + set.weights.len() + set.points.lines.len();
             bytes += 8 * piece.iter().map(numbers).sum::<usize>() as u64;
@@ -99,6 +108,7 @@ impl Points {
                 None => pass.check(&piece)?,
             }
             if let Some(file) = file {
+                pass.input.files += 1;
                 let lasts = file.lasts() && files.iter().all(|(_, file): &(u64, PointFile)| file.lasts());
                 files.push((first, file));
                 first = pass.sizes.len() as u64;
@@ -125,11 +135,12 @@ impl Points {
     /// # Errors
     /// As `open` of such a file.
     pub fn from_bytes(name: &str, bytes: &[u8], request: &PointsRequest) -> Result<Self> {
-        let columns = Columns::new(request.weight_column.as_deref(), request.class_column.as_deref())?;
+        let columns = columns(request)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let sets = read_bytes(name, &extension(Path::new(name)), bytes, &options, &columns)?;
         let mut pass = FirstPass::new(request);
-        pass.see(&sets);
+        pass.see(&sets)?;
+        pass.input.files = 1;
         let nothing = |marks| Files { files: Vec::new(), options, columns, marks, last: Mutex::default() };
         pass.finish(name.to_string(), Some(sets), nothing)
     }
@@ -173,6 +184,9 @@ impl Points {
             identity: json!({ "points": digest(&ensemble) }),
             classes: Vec::new(),
             weights: Weights::of(&ensemble),
+            fewest: (0..ensemble.realizations()).map(|k| ensemble.points_in(k) as u64).min().unwrap_or(0),
+            input: None,
+            warnings: Vec::new(),
             kind: Kind::Held(ensemble),
         }
     }
@@ -191,6 +205,9 @@ impl Points {
             identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
             classes: Vec::new(),
             weights: Weights::default(),
+            fewest: if process.sampler.fixed_n() { n } else { 0 },
+            input: None,
+            warnings: Vec::new(),
             kind: Kind::Process(process),
         }
     }
@@ -205,6 +222,9 @@ impl Points {
             identity,
             classes: Vec::new(),
             weights: Weights::default(),
+            fewest: 0,
+            input: None,
+            warnings: Vec::new(),
             kind,
         }
     }
@@ -216,8 +236,43 @@ impl Points {
         shape: EnsembleShape,
         classes: Vec<String>,
         identity: Value,
+        input: Option<Input>,
     ) -> Self {
-        Self { subject, domain, shape, identity, classes, weights: Weights::default(), kind: Kind::Elsewhere }
+        Self {
+            subject,
+            domain,
+            shape,
+            identity,
+            classes,
+            weights: Weights::default(),
+            fewest: 0,
+            input,
+            warnings: Vec::new(),
+            kind: Kind::Elsewhere,
+        }
+    }
+
+    /// What was read, if it was read from files.
+    pub fn input(&self) -> Option<&Input> {
+        self.input.as_ref()
+    }
+
+    /// What the user should know about what was read.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// What was read, in a line: how many points and realizations, in what, from what.
+    pub fn first_line(&self) -> String {
+        let EnsembleShape { realizations, mean_points, max_points } = self.shape;
+        let n = match (&self.kind, self.fewest) {
+            (Kind::Process(p), _) if !p.sampler.fixed_n() => format!("about {mean_points}"),
+            (_, fewest) if fewest == max_points => max_points.to_string(),
+            (_, fewest) => format!("{fewest}..{max_points}"),
+        };
+        let from = self.input.as_ref().map_or_else(String::new, |input| format!(": {}", input.words()));
+        let (dim, domain, subject) = (self.domain.dim(), &self.domain, &self.subject);
+        format!("n = {n}, K = {realizations}, {dim}D, {domain}; {subject}{from}")
     }
 
     /// What makes these points the ones they are.
@@ -304,6 +359,17 @@ fn digest(ensemble: &Ensemble) -> String {
         ensemble.classes(k).into_iter().flatten().for_each(|c| hash.update(&c.to_le_bytes()));
     }
     format!("{:032x}", hash.digest128())
+}
+
+/// The columns that a request names.
+fn columns(request: &PointsRequest) -> Result<Columns> {
+    Columns::new(&TypedColumns {
+        columns: request.columns.as_deref(),
+        realization: request.realization_column.as_deref(),
+        weight: request.weight_column.as_deref(),
+        class: request.class_column.as_deref(),
+        array: request.array.as_deref(),
+    })
 }
 
 /// The number of axes that `--box` or `--window` fix.

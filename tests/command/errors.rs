@@ -9,6 +9,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("ok.csv", "x,y\n0.1,0.2\n0.3,0.9\n0.5,0.5\n");
     scratch.file("one.csv", "0.1 0.2\n");
     scratch.file("outside.txt", "0.1 0.2\n1.5 0.2\n");
+    scratch.file("edge.txt", "0.1 0.2\n1 0.2\n");
+    scratch.file("index.txt", "0 0.1 0.2\n1 0.3 0.9\n2 0.5 0.5\n3 0.7 0.1\n");
+    scratch.file("hole.csv", "x,y\n0.1,0.2\n,\n0.3,0.9\n");
+    scratch.file("atoms.xyz", "1\n\nAr 0.1 0.2 0.3\n");
+    scratch.file("kx.csv", "kx,ky\n6.28,0\n");
     scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
     scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
     scratch.file("edges.txt", "0 0.1 0.05\n");
@@ -32,7 +37,51 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze outside.txt",
             1,
-            "outside.txt:2: x = 1.5 is outside [0, 1); --wrap folds points in, --box sets the sides, --window a window",
+            "outside.txt:2: x = 1.5 is outside [0, 1), and the points reach from 0.1 to 1.5 in x, 0.2 to 0.2 in y: --window gives the window they were observed in, --box the sides of a larger torus; --wrap would fold them over each other",
+        ),
+        (
+            "analyze edge.txt",
+            1,
+            "edge.txt:2: x = 1 is outside [0, 1); --wrap folds points in, --box sets the sides, --window a window",
+        ),
+        (
+            "analyze three.txt --box 1,1",
+            1,
+            "three.txt: 3 coordinates per point, but --box or --window has 2 axes; --columns chooses fewer, as in 1,2",
+        ),
+        ("analyze ok.csv --columns x,z", 1, "ok.csv:1: --columns z: no column of that name; there are x, y"),
+        ("analyze ok.csv --columns 1,2,1,2", 2, "--columns 1,2,1,2: names column 1 twice"),
+        (
+            "analyze ok.csv --realization-column frame",
+            1,
+            "ok.csv:1: --realization-column frame: no column of that name; there are x, y",
+        ),
+        ("analyze ok.csv --array x", 1, "ok.csv: --array chooses arrays of an .npz archive, which this file is not"),
+        (
+            "analyze index.txt",
+            1,
+            "index.txt:1: column 1 counts the rows (0, 1, 2, ...); --columns 2,3 leaves it out, 1,2,3 takes it for a coordinate",
+        ),
+        ("analyze hole.csv", 1, "hole.csv:3: a row of empty fields with points after it; fill it in, or delete it"),
+        (
+            "analyze atoms.xyz",
+            1,
+            "atoms.xyz: XYZ (count, comment, elements), which is not read here; write the positions as CSV with a header x,y,z, or with OVITO and numpy as .npy, shape (K, n, d)",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --stats spectrum --frequencies kx.csv",
+            1,
+            "kx.csv: column kx is by its name an angular frequency, 2 pi times cycles per unit length; expected cycles per unit length: convert, and call the columns nu_x, nu_y",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies kx.csv",
+            1,
+            "kx.csv: column kx is by its name an angular frequency, 2 pi times cycles per unit length; expected integers m, cycles per side of the torus: convert, and call the columns m_x, m_y",
+        ),
+        (
+            "analyze --sampler random -n 9 -k 18446744073709551615",
+            2,
+            "-k 18446744073709551615: expected at most 1073741824 realizations: what is kept of each would not fit into the memory of a machine",
         ),
         (
             "analyze outside.txt --window 0,1,0,1",
@@ -44,7 +93,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             1,
             "points: pcf, pcf-vector, k-function and neighbors need a realization of at least 2 points, the largest has 1; --stats spectrum works with 1",
         ),
-        ("analyze ok.csv --window 0,1", 1, "ok.csv: 2 coordinates per point, but --box or --window has 1 axis"),
+        (
+            "analyze ok.csv --window 0,1",
+            1,
+            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis; --columns chooses fewer, as in 1",
+        ),
         ("analyze ok.csv --window 0,1,2", 2, "--window 0,1,2: expected two numbers per axis, x0,x1,y0,y1[,z0,z1]"),
         (
             "analyze ok.csv --window 0,1,1,0",
@@ -181,7 +234,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --box 1 --max-frequency 1,2",
             1,
-            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis",
+            "ok.csv: 2 coordinates per point, but --box or --window has 1 axis; --columns chooses fewer, as in 1",
         ),
         (
             "analyze --sampler random -n 9 --dim 1 --max-frequency 1,2",
@@ -390,6 +443,24 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         assert_eq!(output.status.code(), Some(2), "`{arguments}`: {errors}");
         assert!(errors.contains(named), "`{arguments}` does not name {named}: {errors}");
     }
+    // What is read is not overwritten, whatever is asked for.
+    std::fs::create_dir(scratch.path("io")).unwrap();
+    scratch.file("io/pcf.csv", "x,y\n0.1,0.2\n0.3,0.9\n");
+    scratch.file("io/k_function.csv", "0 0.1\n");
+    for (arguments, message) in [
+        ("io", "is read as points; a result among them would be read as points too; expected another directory"),
+        ("io/pcf.csv", "holds pcf.csv, which is read and would be replaced; expected another directory"),
+        ("io/p*.csv", "holds pcf.csv, which is read and would be replaced; expected another directory"),
+        (
+            "ok.csv --edges ./io/../io/k_function.csv",
+            "holds k_function.csv, which is read and would be replaced; expected another directory",
+        ),
+    ] {
+        let output = scratch.run(&format!("analyze {arguments} --out io --force --device cpu"));
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), errors), (Some(2), format!("error: --out io: {message}\n")), "{arguments}");
+    }
+    assert_eq!(std::fs::read_dir(scratch.path("io")).unwrap().count(), 2);
     // An existing result is not overwritten without --force.
     let output = scratch.run("analyze ok.csv --device cpu --out taken");
     assert_eq!(output.status.code(), Some(2));

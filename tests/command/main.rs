@@ -12,6 +12,7 @@ mod examples;
 mod listings;
 mod pair_correlation;
 mod power_spectrum;
+mod reads;
 mod request;
 mod results;
 mod shared;

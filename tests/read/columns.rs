@@ -3,7 +3,7 @@
 use std::io::Write as _;
 
 use crate::shared::{Input, input, npy, read};
-use pairwave::points::read::{Columns, MarkedPoints, ReadOptions, read_marked};
+use pairwave::points::read::{Columns, MarkedPoints, ReadOptions, TypedColumns, read_marked};
 
 /// Points, weights and classes of an input with `--weight-column` and `--class-column` as given.
 fn read_columns(input: &Input, layout: Option<&str>, weight: &str, class: &str) -> Result<Vec<MarkedPoints>, String> {
@@ -11,7 +11,7 @@ fn read_columns(input: &Input, layout: Option<&str>, weight: &str, class: &str) 
     let leak = |text: &str| given(String::from(text).leak());
     let folder = format!("{}/", input.folder.path().display());
     let options = ReadOptions { raw: layout.map(|l| l.parse().unwrap()), dim: None };
-    Columns::new(leak(weight), leak(class))
+    Columns::new(&TypedColumns { weight: leak(weight), class: leak(class), ..TypedColumns::default() })
         .and_then(|columns| read_marked(std::slice::from_ref(&input.path), &options, &columns))
         .map_err(|e| e.to_string().replace(&folder, ""))
 }
@@ -59,7 +59,12 @@ fn wrong_columns_are_named() {
     for (text, weight, class, message) in [
         ("x,y,w\n1,2,3\n", "mass", "", "a.csv:1: `weight_column` mass: no column of that name; there are x, y, w"),
         ("x,y,w\n1,2,3\n", "", "4", "a.csv:1: `class_column` 4: there is no such column, only 3 columns"),
-        ("x,y,w\n1,2,3\n", "2", "", "a.csv:1: column 2 is a coordinate, not a weight or a class"),
+        (
+            "x,y,w\n1,2,3\n",
+            "2",
+            "",
+            "a.csv:1: column 2 is a coordinate, not a weight or a class; `columns` names others",
+        ),
         ("x,y,w\n1,2,3\n", "3", "w", "a.csv:1: `weight_column` and `class_column` are the same column"),
         ("1 2 3\n", "w", "", "a.csv:1: `weight_column` w: no header names the columns; expected a number from 1"),
         ("x,w,w\n1,2,3\n", "w", "", "a.csv:1: `weight_column` w: two columns have that name"),
@@ -88,6 +93,6 @@ fn wrong_columns_are_named() {
     // Without a flag a fourth column stays what it was.
     assert_eq!(
         read("a.txt", "1 2 3 4\n").unwrap_err(),
-        "a.txt:1: 4 numbers in a line, expected 1, 2 or 3, or a header that names columns x, y[, z]: \"1 2 3 4\""
+        "a.txt:1: 4 numbers in a line, expected 1, 2 or 3, or a header that names columns x, y[, z], or `columns` 1,2: \"1 2 3 4\""
     );
 }

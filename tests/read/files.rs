@@ -58,7 +58,12 @@ fn directories_patterns_and_lists() {
     assert_eq!(fails(&[at("set_1.txt"), at("third.txt")]), "third.txt: 3 coordinates per point, but set_1.txt has 2");
     let options = ReadOptions { dim: Some(2), raw: None };
     let message = read_all(&[at("third.txt")], &options).unwrap_err().to_string();
-    assert!(message.ends_with("third.txt: 3 coordinates per point, but `sides` or `window` has 2 axes"), "{message}");
+    assert!(
+        message.ends_with(
+            "third.txt: 3 coordinates per point, but `sides` or `window` has 2 axes; `columns` chooses fewer, as in 1,2"
+        ),
+        "{message}"
+    );
 
     std::fs::remove_file(at("third.txt")).unwrap();
     put("broken.csv", "x,y\n1,oops\n");

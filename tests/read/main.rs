@@ -2,9 +2,11 @@
 
 mod columns;
 mod files;
+mod foreign;
 mod npy;
 mod npz;
 mod raw;
+mod readings;
 mod shared;
 mod text;
 mod utk;

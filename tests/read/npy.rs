@@ -87,7 +87,10 @@ fn bad_npy_files() {
             shape("(5, 2, 9)", 720),
             format!("shape (5, 2, 9) has 9 coordinates per point; {form}; it seems to be transposed"),
         ),
-        (shape("(5, 4)", 160), format!("shape (5, 4) has 4 coordinates per point; {form}")),
+        (
+            shape("(5, 4)", 160),
+            format!("shape (5, 4) has 4 coordinates per point; {form}; `columns` chooses them, as in 1,2"),
+        ),
         (shape("(5, 0)", 0), format!("shape (5, 0) has 0 coordinates per point; {form}")),
         (shape("()", 8), format!("shape (); {form}, or (n,) for d = 1")),
         (shape("(1, 1, 1, 2)", 16), format!("shape (1, 1, 1, 2); {form}, or (n,) for d = 1")),

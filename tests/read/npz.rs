@@ -33,11 +33,11 @@ fn npz_archives() {
     assert!(message.starts_with("a.npz: damaged zip archive: "), "{message}");
     let three = set(&[1.0; 6]);
     let bytes =
-        stored(&[("a.npy", &first), ("b.npy", &npy("<f8", npyz::Order::C, &[1, 3], &[1.0; 3])), ("c.npy", &three)]);
+        stored(&[("a1.npy", &first), ("a2.npy", &npy("<f8", npyz::Order::C, &[1, 3], &[1.0; 3])), ("a3.npy", &three)]);
     let message = read("a.npz", bytes).unwrap_err();
     assert!(
-        message.starts_with("a.npz, array b: 3 coordinates per point, but ")
-            && message.ends_with("a.npz, array a has 2"),
+        message.starts_with("a.npz, array a2: 3 coordinates per point, but ")
+            && message.ends_with("a.npz, array a1 has 2"),
         "{message}"
     );
 }

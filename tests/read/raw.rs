@@ -28,13 +28,16 @@ fn raw_numbers() {
     let unknown = "neither text nor .npy, .npz or UTK .bin (no such header); raw numbers need `raw` f32x2 or the like";
     assert_eq!(read("points", &f64s).unwrap_err(), format!("points: {unknown}"));
     assert_eq!(read("a.bin", &f32s).unwrap_err(), format!("a.bin: {unknown}"));
-    assert_eq!(read("a.gz", b"\x1f\x8b\x08\0\0\0").unwrap_err(), "a.gz: compressed with gzip; unpack it first");
+    assert_eq!(
+        read("a.gz", b"\x1f\x8b\x08\0\0\0").unwrap_err(),
+        "a.gz: compressed with gzip, which is not read here; unpack it first"
+    );
     let message = "a.f32: raw numbers do not say how many make a point; give `raw` f32x2 (or x1, x3)";
     assert_eq!(read("a.f32", &f32s).unwrap_err(), message);
     let message = "a.rps: 15 bytes are not a whole number of f32x2 points of 8 bytes: 7 left over";
     assert_eq!(read("a.rps", &f32s[..15]).unwrap_err(), message);
-    let form = "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)";
-    for wrong in ["f32", "f16x2", "f32x6", "f32x0", "f32x22", "F32x2", "f32 x2", ""] {
+    let form = "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point), or up to x9 where `columns` and the like say what the numbers are";
+    for wrong in ["f32", "f16x2", "f32x10", "f32x0", "f32x22", "F32x2", "f32 x2", ""] {
         let message = wrong.parse::<RawLayout>().unwrap_err().to_string();
         assert_eq!(message, format!("raw {wrong}: {form}"));
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use npyz::WriterBuilder as _;
 use pairwave::points::RawPoints;
-use pairwave::points::read::{ReadOptions, read_all};
+use pairwave::points::read::{Columns, MarkedPoints, ReadOptions, TypedColumns, read_all, read_marked};
 use tempfile::TempDir;
 
 pub const NO_OPTIONS: ReadOptions = ReadOptions { dim: None, raw: None };
@@ -30,6 +30,22 @@ pub fn read_with(input: &Input, options: &ReadOptions) -> Result<Vec<RawPoints>,
 
 pub fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<Vec<RawPoints>, String> {
     read_with(&input(name, bytes), &NO_OPTIONS)
+}
+
+/// What is read where columns are named, and how.
+pub fn read_typed(name: &str, bytes: impl AsRef<[u8]>, typed: TypedColumns<'_>) -> Result<Vec<MarkedPoints>, String> {
+    let input = input(name, bytes);
+    let folder = format!("{}/", input.folder.path().display());
+    Columns::new(&typed)
+        .and_then(|columns| read_marked(std::slice::from_ref(&input.path), &NO_OPTIONS, &columns))
+        .map_err(|e| e.to_string().replace(&folder, ""))
+}
+
+/// What is said about a file, without the folder it lies in.
+pub fn notes(name: &str, bytes: impl AsRef<[u8]>) -> Vec<String> {
+    let sets = read_typed(name, bytes, TypedColumns::default()).unwrap();
+    let bare = |note: &String| note.split_once(name).map_or(note.clone(), |(_, rest)| rest.to_string());
+    sets[0].reading.notes.iter().map(bare).collect()
 }
 
 /// Sets as (dim, coordinates).

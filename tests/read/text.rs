@@ -44,6 +44,23 @@ fn text_varieties_give_the_same_points() {
         ("a comment of as many words", b"# hello world\n0.5 0.25\n-1 1e-3\n"),
         ("PSA", b"2\n0.5 0.25\n-1 1e-3\n"),
         ("PSA, comment below the count", b"2\n# set\n0.5 0.25\n-1 1e-3\n"),
+        ("decimal commas", b"0,5;0,25\n-1;1e-3\n"),
+        ("decimal commas below a header", b"x;y\n0,5;0,25\n-1;0,001\n"),
+        ("decimal commas beside text", b"id;x;y\n1;0,5;0,25\n2;-1;0,001\n"),
+        ("decimal commas and tabs", b"0,5\t0,25\n-1\t1e-3\n"),
+        ("units in brackets", b"x [m],y [m]\n0.5,0.25\n-1,1e-3\n"),
+        ("units in brackets, quoted, other columns", b"\"id\",\"x [m]\",\"y [m]\"\n1,0.5,0.25\n2,-1,1e-3\n"),
+        ("units in brackets, blanks", b"x [m] y [m]\n0.5 0.25\n-1 1e-3\n"),
+        ("units in parentheses, other columns", b"y (um);mass (g);x (um)\n0.25;7;0.5\n1e-3;8;-1\n"),
+        ("units in a comment", b"# x [m] y [m] m [g]\n0.5 0.25 1\n-1 1e-3 2\n"),
+        ("R's write.table", b"\"x\" \"y\"\n\"1\" 0.5 0.25\n\"2\" -1 1e-3\n"),
+        ("R's write.table without quotes", b"x y\n1 0.5 0.25\n2 -1 1e-3\n"),
+        ("R's write.table, tabs and a factor", b"x\ty\tkind\na b\t0.5\t0.25\toak\nc\t-1\t1e-3\telm\n"),
+        ("sep=", b"sep=;\nx;y\n0,5;0,25\n-1;0,001\n"),
+        ("sep=|", b"sep=|\nx|y\n0.5|0.25\n-1|1e-3\n"),
+        ("pandas with an index", b",0,1\n0,0.5,0.25\n1,-1,1e-3\n"),
+        ("a row behind a #", b"0.5 0.25\n# 0.1 0.2 outlier\n-1 1e-3\n"),
+        ("a row of other columns behind a #", b"id,x,y\na,0.5,0.25\n#b,0.1,0.2\nc,-1,1e-3\n"),
         ("header, comment below it", b"x,y\n# set\n0.5,0.25\n-1,1e-3\n"),
         ("PSA, commented", b"# set\n2 # points\n\n(0.5 0.25)\n(-1 1e-3)\n"),
     ];
@@ -116,28 +133,39 @@ fn bad_text_names_line_text_and_expectation() {
         ("1 2\n3.5\n", r#"a.txt:2: 1 field, expected 2 as in line 1: "3.5""#),
         (
             "1 2 3 4\n",
-            r#"a.txt:1: 4 numbers in a line, expected 1, 2 or 3, or a header that names columns x, y[, z]: "1 2 3 4""#,
+            r#"a.txt:1: 4 numbers in a line, expected 1, 2 or 3, or a header that names columns x, y[, z], or `columns` 1,2: "1 2 3 4""#,
         ),
-        ("1 2 3 oak\n", r#"a.txt:1: "oak" is not a number; expected 1, 2 or 3 numbers per line"#),
+        ("1 2 3 oak\n", r#"a.txt:1: "oak" is not a number; expected 1, 2 or 3 numbers per line, or `columns` 1,2"#),
         ("1,,2\n", r#"a.txt:1: an empty field in "1,,2""#),
         (",1,2\n", r#"a.txt:1: an empty field in ",1,2""#),
-        ("0,5;0,25\n", r#"a.txt:1: decimal comma in "0,5;0,25"; write numbers with a point, as 0.5"#),
-        ("0,5 0,25\n", r#"a.txt:1: decimal comma in "0,5 0,25"; write numbers with a point, as 0.5"#),
-        ("0,5\t1\n", r#"a.txt:1: decimal comma in "0,5 1"; write numbers with a point, as 0.5"#),
-        ("x;y\n1;2\n0,5;3\n", r#"a.txt:3: decimal comma in "0,5;3"; write numbers with a point, as 0.5"#),
-        ("id;x;y\n1;0,5;3\n", r#"a.txt:2: decimal comma in "0,5"; write numbers with a point, as 0.5"#),
-        ("\"0,5\",\"0,25\"\n", r#"a.txt:1: decimal comma in "0,5"; write numbers with a point, as 0.5"#),
+        (
+            "0,5 0,25\n",
+            r#"a.txt:1: decimal comma in "0,5 0,25"; write numbers with a point, as 0.5, or separate them by semicolons or tabs"#,
+        ),
+        ("0,5;1\n1;0.5\n", "a.txt:2: decimal commas (line 1) and decimal points (line 2) in one file; write points"),
+        ("x,y\n1,2\n,\n3,4\n", "a.txt:3: a row of empty fields with points after it; fill it in, or delete it"),
+        ("x,y\n\"\",\"\"\n3,4\n", "a.txt:2: a row of empty fields with points after it; fill it in, or delete it"),
+        (
+            "\"0,5\",\"0,25\"\n",
+            r#"a.txt:1: decimal comma in "0,5"; write numbers with a point, as 0.5, or separate them by semicolons or tabs"#,
+        ),
         ("id,x,y\n1,2\n", r#"a.txt:2: 2 fields, expected 3 as in line 1: "1,2""#),
         ("id,x,y\n1,2,\n", r#"a.txt:2: "" is not a number; expected a number in column 3, named in line 1"#),
-        ("x y\n1 0.5 0.25\n", r#"a.txt:2: 3 fields, expected 2 as in line 1: "1 0.5 0.25""#),
+        ("x y\n1.5 0.5 0.25\n", r#"a.txt:2: 3 fields, expected 2 as in line 1: "1.5 0.5 0.25""#),
         (
             "a,b,c,d\n1,2,3,4\n",
-            r#"a.txt:1: 4 columns, none named x; expected columns named x, y[, z], or 1 to 3 columns, in "a,b,c,d""#,
+            r#"a.txt:1: 4 columns, none named x; expected columns named x, y[, z], or 1 to 3 columns, or `columns` with the names of those meant, in "a,b,c,d""#,
         ),
-        ("id,lon,lat\n1,2,3\n", r#"a.txt:1: a column named "id" and none named x; expected columns named x, y[, z]"#),
-        (",lon,lat\n1,2,3\n", r#"a.txt:1: a column named "" and none named x; expected columns named x, y[, z]"#),
+        (
+            "id,lon,lat\n1,2,3\n",
+            r#"a.txt:1: a column named "id" and none named x; expected columns named x, y[, z], or `columns` with the names of those meant"#,
+        ),
+        (
+            ",lon,lat\n1,2,3\n",
+            r#"a.txt:1: a column named "" and none named x; expected columns named x, y[, z], or `columns` with the names of those meant"#,
+        ),
         ("5\n#\n7\n", "a.txt:1: announces 5 points, found 1"),
-        ("x,y,X\n1,2,3\n", "a.txt:1: two columns are named x"),
+        ("x,y,X\n1,2,3\n", "a.txt:1: two columns are named x; `columns` names others"),
         ("x,y\n1,2\n#\ny,x\n3,4\n", "a.txt:4: this header differs from the columns of line 1"),
         ("x,y\nx,y\n1,2\n", r#"a.txt:2: "x" is not a number; expected 2 numbers per line as in line 1"#),
         ("3\n1 2\n3 4\n", "a.txt:1: announces 3 points, found 2"),
@@ -159,12 +187,15 @@ fn bad_text_names_line_text_and_expectation() {
 }
 
 #[test]
-fn utf16_is_named() {
+fn utf16_is_read() {
     let text = "x,y\n0.5,0.25\n";
     let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
     let marked = |mark: [u8; 2], bytes: &[u8]| [&mark[..], bytes].concat();
     for bytes in [marked([0xff, 0xfe], &little), marked([0xfe, 0xff], &big), little, big] {
-        assert_eq!(read("a.csv", bytes).unwrap_err(), "a.csv: text in UTF-16; save it as UTF-8");
+        assert_eq!(content(&read("a.csv", bytes).unwrap()), [(2, vec![0.5, 0.25])]);
     }
+    let lone: Vec<u8> = [0x31u16, 0x20, 0x32, 0x0a, 0xd800, 0x31].into_iter().flat_map(u16::to_le_bytes).collect();
+    let damaged = marked([0xff, 0xfe], &lone);
+    assert_eq!(read("a.csv", damaged).unwrap_err(), "a.csv: text in UTF-16LE, but damaged: some of it is no character");
 }

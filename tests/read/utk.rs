@@ -32,7 +32,10 @@ fn utk_bin() {
             utk(6, 0, [1, 1, 2], &[0; 16]),
             "unknown UTK type code 6; expected 0 (i32), 1 (i64), 2 (u32), 3 (u64), 4 (f32) or 5 (f64)",
         ),
-        (utk(5, 0, [1, 1, 4], &[0; 32]), "4 coordinates per point; 1, 2 or 3 are supported"),
+        (
+            utk(5, 0, [1, 1, 4], &[0; 32]),
+            "4 coordinates per point; 1, 2 or 3 are supported, and `columns` chooses them, as in 1,2",
+        ),
         (utk(5, 0, [0, 1, 2], &[]), "no points: 0 sets of 1 points"),
         (utk(5, 0, [u32::MAX, 0, 2], &[]), "no points: 4294967295 sets of 0 points"),
         (

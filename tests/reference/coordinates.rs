@@ -243,19 +243,3 @@ fn a_folded_side_would_be_seen() {
     assert!((off_grid[0] - off_grid[1]).abs() > 10.0, "{off_grid:?}");
     assert!((on_grid[0] - on_grid[1]).abs() < 1e-9, "{on_grid:?}");
 }
-
-/// Steps of float32 at a large offset are told, with what they are beside; steps that were measured so are not.
-#[test]
-fn coarse_coordinates_are_told() {
-    let mut rng = Rng(16);
-    let window = Domain::window(&[(499_999.0, 500_101.0), (4_649_775.0, 4_649_877.0)]).unwrap();
-    let exact: Vec<f64> = (0..600).flat_map(|_| [5e5 + 100.0 * rng.unit(), 4_649_776.0 + 100.0 * rng.unit()]).collect();
-    let coarse = |set: Vec<f64>| Ensemble::from_raw(&[raw(2, set)], &window, false, 0).unwrap().coarse_axes(0);
-    assert_eq!(coarse(exact.clone()), []);
-    let told = coarse(exact.iter().map(|&x| f64::from(x as f32)).collect());
-    let told: Vec<_> = told.iter().map(|&(axis, _, step, apart)| (axis, step, (2.0..2.2).contains(&apart))).collect();
-    assert_eq!(told, [(0, 0.031_25, true), (1, 0.5, true)]);
-    assert_eq!(coarse(exact.iter().map(|x| x.round()).collect()), [], "metres");
-    let near: Vec<f64> = (0..1200).map(|_| f64::from(rng.unit() as f32)).collect();
-    assert_eq!(Ensemble::from_raw(&[raw(2, near)], &Domain::unit_torus(2), true, 0).unwrap().coarse_axes(0), []);
-}

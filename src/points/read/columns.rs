@@ -1,8 +1,9 @@
-//! Columns that hold no coordinates: weights and classes of points.
+//! Which columns hold what: coordinates, weights, classes, and what tells realizations apart.
 
 use std::str::FromStr;
+use std::sync::Arc;
 
-use super::plural;
+use super::{Reading, plural};
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 use crate::setting::Setting;
@@ -57,20 +58,53 @@ impl Rows {
     }
 }
 
-/// What the rows are, and which columns are no coordinates.
+/// What tells the realizations of a file apart, where the user says so.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Separator {
+    /// The values of a column.
+    Column(Column),
+    /// Blank lines.
+    BlankLines,
+}
+
+/// Columns as typed, each a name or a number from 1.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TypedColumns<'a> {
+    /// `--columns`: those of the coordinates, as a line of CSV.
+    pub columns: Option<&'a str>,
+    /// `--realization-column`, or `blank-lines`.
+    pub realization: Option<&'a str>,
+    /// `--weight-column`.
+    pub weight: Option<&'a str>,
+    /// `--class-column`.
+    pub class: Option<&'a str>,
+    /// `--array`: names of arrays, as a line of CSV.
+    pub array: Option<&'a str>,
+}
+
+/// What the rows are, and what which columns hold.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {
     /// What a row is.
     pub rows: Rows,
+    /// `--columns`: the coordinates; none where the file decides.
+    pub coordinates: Vec<Column>,
+    /// `--realization-column`: what differs between realizations.
+    pub realization: Option<Separator>,
     /// `--weight-column`: finite numbers.
     pub weight: Option<Column>,
     /// `--class-column`: text, or numbers that serve as text.
     pub class: Option<Column>,
+    /// `--array`: the arrays of an archive that hold points; none where the archive decides.
+    pub arrays: Vec<String>,
 }
 
 /// The same as indices from 0.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Marks {
+    /// Empty where nobody said which they are.
+    pub(super) coordinates: Vec<usize>,
+    pub(super) realization: Option<usize>,
     pub(super) weight: Option<usize>,
     pub(super) class: Option<usize>,
 }
@@ -78,63 +112,151 @@ pub(super) struct Marks {
 impl Marks {
     /// Whether column `index` holds no coordinate.
     pub(super) fn contain(&self, index: usize) -> bool {
-        self.weight == Some(index) || self.class == Some(index)
+        [self.weight, self.class, self.realization].contains(&Some(index))
     }
+
+    /// The columns that hold coordinates: those that were named, or all that hold nothing else.
+    pub(super) fn coordinates(&self, width: usize) -> Vec<usize> {
+        match self.coordinates.is_empty() {
+            true => (0..width).filter(|&k| !self.contain(k)).collect(),
+            false => self.coordinates.clone(),
+        }
+    }
+}
+
+/// Values separated by commas; what holds a comma stands in quotes.
+fn listed(setting: Setting, text: &str) -> Result<Vec<String>> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let refuse = || Error::setting(setting, text, "expected names or numbers, separated by commas");
+    let record = reader.records().next().ok_or_else(refuse)?.map_err(|_| refuse())?;
+    let values: Vec<String> = record.iter().map(String::from).collect();
+    if values.iter().any(String::is_empty) { Err(refuse()) } else { Ok(values) }
 }
 
 impl Columns {
     /// From what was typed.
     ///
     /// # Errors
-    /// Columns counted from 0 or without a name.
-    pub fn new(weight: Option<&str>, class: Option<&str>) -> Result<Self> {
-        let parse = |setting, typed: Option<&str>| {
-            typed.map(|text| text.parse().map_err(|e: &str| Error::setting(setting, text, e))).transpose()
+    /// Columns counted from 0 or without a name, more than three of coordinates, one twice.
+    pub fn new(typed: &TypedColumns<'_>) -> Result<Self> {
+        let one = |setting, text: &str| text.parse().map_err(|e: &str| Error::setting(setting, text, e));
+        let parse = |setting, typed: Option<&str>| typed.map(|text| one(setting, text)).transpose();
+        let mut coordinates: Vec<Column> = Vec::new();
+        if let Some(text) = typed.columns {
+            for name in listed(Setting::Columns, text)? {
+                let column: Column = name.parse().map_err(|e: &str| Error::setting(Setting::Columns, text, e))?;
+                if coordinates.contains(&column) {
+                    return Err(Error::setting(Setting::Columns, text, format!("names column {name} twice")));
+                }
+                coordinates.push(column);
+            }
+            if coordinates.len() > 3 {
+                let reason = format!("expected 1, 2 or 3 columns, found {}", coordinates.len());
+                return Err(Error::setting(Setting::Columns, text, reason));
+            }
+        }
+        let realization = match typed.realization {
+            Some(BLANK_LINES) => Some(Separator::BlankLines),
+            other => parse(Setting::RealizationColumn, other)?.map(Separator::Column),
         };
         Ok(Self {
             rows: Rows::Points,
-            weight: parse(Setting::WeightColumn, weight)?,
-            class: parse(Setting::ClassColumn, class)?,
+            coordinates,
+            realization,
+            weight: parse(Setting::WeightColumn, typed.weight)?,
+            class: parse(Setting::ClassColumn, typed.class)?,
+            arrays: typed.array.map(|text| listed(Setting::Array, text)).transpose()?.unwrap_or_default(),
         })
     }
 
-    /// How many there are.
+    /// The column that tells realizations apart.
+    pub(super) fn realization(&self) -> Option<&Column> {
+        match &self.realization {
+            Some(Separator::Column(column)) => Some(column),
+            _ => None,
+        }
+    }
+
+    /// How many hold no coordinates.
     pub(super) fn count(&self) -> usize {
-        usize::from(self.weight.is_some()) + usize::from(self.class.is_some())
+        let marks = [self.weight.as_ref(), self.class.as_ref(), self.realization()];
+        marks.into_iter().flatten().count()
+    }
+
+    /// Whether anything is said about columns.
+    pub(super) fn any(&self) -> bool {
+        self.count() > 0 || !self.coordinates.is_empty()
     }
 
     /// Their indices among columns with these names, of which there may be none, or why they are not there.
     pub(super) fn find(&self, width: usize, names: &[&[u8]]) -> Result<Marks, String> {
-        let find = |setting: Setting, column: &Option<Column>| match column {
-            None => Ok(None),
-            Some(Column::Number(number)) if *number <= width => Ok(Some(number - 1)),
-            Some(Column::Number(number)) => {
+        let index = |setting: Setting, column: &Column| match column {
+            Column::Number(number) if *number <= width => Ok(number - 1),
+            Column::Number(number) => {
                 Err(format!("`{setting}` {number}: there is no such column, only {}", plural(width as u64, "column")))
             }
-            Some(Column::Name(wanted)) => {
-                let same = |name: &&[u8]| name.eq_ignore_ascii_case(wanted.as_bytes());
-                let mut found = (0..names.len()).filter(|&i| same(&names[i]));
-                match (found.next(), found.next()) {
-                    (Some(index), None) => Ok(Some(index)),
-                    (Some(_), Some(_)) => Err(format!("`{setting}` {wanted}: two columns have that name")),
-                    (None, _) if names.is_empty() => {
+            Column::Name(wanted) => {
+                // A name as it stands goes before one without its unit.
+                let whole = |name: &[u8]| name.eq_ignore_ascii_case(wanted.as_bytes());
+                let bare = |name: &[u8]| without_unit(name).eq_ignore_ascii_case(wanted.as_bytes());
+                let mut found: Vec<usize> = (0..names.len()).filter(|&i| whole(names[i])).collect();
+                if found.is_empty() {
+                    found = (0..names.len()).filter(|&i| bare(names[i])).collect();
+                }
+                match found.as_slice() {
+                    [index] => Ok(*index),
+                    [_, ..] => Err(format!("`{setting}` {wanted}: two columns have that name")),
+                    [] if names.is_empty() => {
                         Err(format!("`{setting}` {wanted}: no header names the columns; expected a number from 1"))
                     }
-                    (None, _) => {
+                    [] => {
                         let names: Vec<_> = names.iter().map(|n| String::from_utf8_lossy(n)).collect();
                         Err(format!("`{setting}` {wanted}: no column of that name; there are {}", names.join(", ")))
                     }
                 }
             }
         };
+        let one = |setting, column: Option<&Column>| column.map(|column| index(setting, column)).transpose();
         let marks = Marks {
-            weight: find(Setting::WeightColumn, &self.weight)?,
-            class: find(Setting::ClassColumn, &self.class)?,
+            coordinates: self.coordinates.iter().map(|c| index(Setting::Columns, c)).collect::<Result<_, _>>()?,
+            realization: one(Setting::RealizationColumn, self.realization())?,
+            weight: one(Setting::WeightColumn, self.weight.as_ref())?,
+            class: one(Setting::ClassColumn, self.class.as_ref())?,
         };
-        if marks.weight.is_some() && marks.weight == marks.class {
-            return Err("`weight_column` and `class_column` are the same column".into());
+        let mut taken: Vec<(usize, Setting)> = marks.coordinates.iter().map(|&k| (k, Setting::Columns)).collect();
+        for (mark, setting) in [
+            (marks.weight, Setting::WeightColumn),
+            (marks.class, Setting::ClassColumn),
+            (marks.realization, Setting::RealizationColumn),
+        ] {
+            taken.extend(mark.map(|k| (k, setting)));
+        }
+        for (i, (k, setting)) in taken.iter().enumerate() {
+            if let Some((_, other)) = taken[..i].iter().find(|(other, _)| other == k) {
+                return Err(match other == setting {
+                    true => format!("`{setting}` names column {} twice", k + 1),
+                    false => format!("`{other}` and `{setting}` are the same column"),
+                });
+            }
         }
         Ok(marks)
+    }
+}
+
+/// What stands for blank lines where a column is expected.
+const BLANK_LINES: &str = "blank-lines";
+
+/// A name without the unit in brackets or parentheses at its end: `x [m]` is x.
+pub(super) fn without_unit(name: &[u8]) -> &[u8] {
+    let name = name.trim_ascii();
+    let open = match name.last() {
+        Some(b']') => b'[',
+        Some(b')') => b'(',
+        _ => return name,
+    };
+    match name.iter().rposition(|&b| b == open) {
+        Some(at) if at > 0 => name[..at].trim_ascii(),
+        _ => name,
     }
 }
 
@@ -147,34 +269,71 @@ pub struct MarkedPoints {
     pub weights: Vec<f64>,
     /// One per point, if there is a column of them.
     pub labels: Vec<String>,
+    /// How it was read.
+    pub reading: Arc<Reading>,
 }
 
 impl MarkedPoints {
-    /// Sorts out the columns of points whose coordinates still hold all of them.
-    pub(super) fn split(all: RawPoints, marks: Marks) -> Result<Self> {
+    /// Sorts out the columns of points whose coordinates still hold all of them. Returns also the values that tell realizations
+    /// apart.
+    pub(super) fn split(all: RawPoints, marks: &Marks, reading: Arc<Reading>) -> Result<(Self, Vec<f64>)> {
         let width = all.dim;
+        let columns = marks.coordinates(width);
         let mut split = Self {
+            points: RawPoints { dim: columns.len(), coordinates: Vec::new(), ..all },
+            weights: Vec::new(),
+            labels: Vec::new(),
+            reading,
+        };
+        let mut keys = Vec::new();
+        if columns.len() == width && columns.is_sorted() {
+            split.points.coordinates = all.coordinates;
+            return Ok((split, keys));
+        }
+        let rows = || all.coordinates.chunks_exact(width);
+        split.points.coordinates = rows().flat_map(|row| columns.iter().map(|&k| row[k])).collect();
+        for (j, row) in rows().enumerate() {
+            if let Some(k) = marks.weight {
+                split.weights.push(row[k]);
+                check_weight(row[k]).map_err(|reason| Error::input(split.points.place(j), reason))?;
+            }
+            if let Some(k) = marks.class {
+                split.labels.push(row[k].to_string());
+            }
+            if let Some(k) = marks.realization {
+                if row[k].is_nan() {
+                    return Err(Error::input(split.points.place(j), "the number of its realization is NaN"));
+                }
+                keys.push(row[k]);
+            }
+        }
+        Ok((split, keys))
+    }
+
+    /// The points with each key as a realization, in the order of their first points.
+    pub(super) fn apart(self, keys: &[u32], names: &[String], what: &str) -> Vec<Self> {
+        let Self { points, weights, labels, reading } = self;
+        let empty = |name: &String| Self {
             points: RawPoints {
-                dim: (0..width).filter(|&k| !marks.contain(k)).count(),
+                dim: points.dim,
                 coordinates: Vec::new(),
-                ..all
+                source: format!("{}, {what} {name}", points.source),
+                lines: Vec::new(),
             },
             weights: Vec::new(),
             labels: Vec::new(),
+            reading: reading.clone(),
         };
-        for (j, row) in all.coordinates.chunks_exact(width).enumerate() {
-            for (k, &value) in row.iter().enumerate() {
-                if marks.weight == Some(k) {
-                    split.weights.push(value);
-                    check_weight(value).map_err(|reason| Error::input(split.points.place(j), reason))?;
-                } else if marks.class == Some(k) {
-                    split.labels.push(value.to_string());
-                } else {
-                    split.points.coordinates.push(value);
-                }
-            }
+        let mut sets: Vec<Self> = names.iter().map(empty).collect();
+        let mut labels = labels.into_iter();
+        for (j, (&key, point)) in keys.iter().zip(points.coordinates.chunks_exact(points.dim)).enumerate() {
+            let set = &mut sets[key as usize];
+            set.points.coordinates.extend_from_slice(point);
+            set.points.lines.extend(points.lines.get(j));
+            set.weights.extend(weights.get(j));
+            set.labels.extend(labels.next());
         }
-        Ok(split)
+        sets
     }
 }
 

@@ -3,28 +3,34 @@
 //!
 //! 1. `--raw` given: raw numbers, whatever the file looks like.
 //! 2. `\x93NUMPY`, `PK`, `UTK!` at the start: `.npy`, `.npz`, UTK `.bin`.
-//! 3. Bytes that are text: text or CSV, whatever the name.
-//! 4. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
+//! 3. Formats of other trades, which are named and refused.
+//! 4. Bytes that are text, in UTF-8 or UTF-16: text or CSV, whatever the name.
+//! 5. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
 mod columns;
+mod foreign;
 mod npy;
 mod npz;
 mod raw;
+mod reading;
 mod text;
 mod utk;
 
+use std::collections::HashMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::points::RawPoints;
 use crate::setting::Setting;
 
 use columns::Marks;
-pub use columns::{Column, Columns, MarkedPoints, Rows};
+pub use columns::{Column, Columns, MarkedPoints, Rows, Separator, TypedColumns};
 pub use raw::{RawElement, RawLayout};
+pub use reading::{Apart, Input, Reading};
 
 /// What the command line says about its input files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -74,7 +80,8 @@ const PIECE: u64 = 64 << 20;
 
 impl PointFile {
     fn open(path: PathBuf, options: &ReadOptions, columns: &Columns) -> Self {
-        let rows = (options.raw.is_none() && !is_stdin(&path)).then(|| npy::Rows::open(&path, columns)).flatten();
+        let in_rows = options.raw.is_none() && columns.realization.is_none() && !is_stdin(&path);
+        let rows = in_rows.then(|| npy::Rows::open(&path, columns)).flatten();
         rows.map_or(Self::Whole(path), Self::Rows)
     }
 
@@ -147,10 +154,11 @@ pub(crate) fn each_piece(
 
 fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) -> Result<()> {
     if let Some(dim) = options.dim.filter(|&dim| dim != set.dim) {
-        return Err(Error::input(
-            &set.source,
-            format!("{} per point, but `sides` or `window` has {}", coordinates(set.dim), plural(dim as u64, "axis")),
-        ));
+        let axes = plural(dim as u64, "axis");
+        let choose = if set.dim > dim { "; `columns` chooses fewer, as in " } else { "" };
+        let fewer = if set.dim > dim { ["1", "1,2"][dim.clamp(1, 2) - 1] } else { "" };
+        let reason = format!("{} per point, but `sides` or `window` has {axes}{choose}{fewer}", coordinates(set.dim));
+        return Err(Error::input(&set.source, reason));
     }
     match first {
         Some(first) if first.dim != set.dim => {
@@ -175,6 +183,12 @@ pub(crate) fn plural(n: u64, noun: &str) -> String {
 
 fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// The files that inputs stand for, as far as they can be found.
+pub(crate) fn paths(inputs: &[PathBuf]) -> Vec<PathBuf> {
+    let expanded = inputs.iter().filter_map(|input| expand(input, &ReadOptions::default()).ok());
+    expanded.flatten().filter(|path| !is_stdin(path)).collect()
 }
 
 /// The files that one input stands for.
@@ -290,29 +304,43 @@ pub(crate) fn read_bytes(
         return numbered(name, npy::read(name, bytes, columns)?, columns);
     }
     if npz::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
-        return npz::read(name, bytes, columns);
+        return npz::read(name, bytes, options.dim, columns);
     }
     if bytes.starts_with(&utk::MAGIC) {
         if columns.count() > 0 {
             return Err(Error::input(
                 name,
-                "a UTK .bin holds coordinates only; weights and classes need another format",
+                "a UTK .bin holds coordinates only; weights, classes and numbers of realizations need another format",
             ));
         }
-        return numbered(name, utk::read(name, bytes, columns.rows)?, columns);
+        return numbered(name, utk::read(name, bytes, columns)?, columns);
     }
-    if text::is_utf16(bytes) {
-        return Err(Error::input(name, "text in UTF-16; save it as UTF-8"));
+    let place = |reason: String| Error::input(name, reason);
+    if let Some(reason) = foreign::named(bytes, extension) {
+        return Err(place(reason));
+    }
+    if !columns.arrays.is_empty() {
+        return Err(place("`array` chooses arrays of an .npz archive, which this file is not".into()));
+    }
+    if let Some(encoding) = text::utf16(bytes) {
+        let (decoded, damaged) = encoding.decode_with_bom_removal(bytes);
+        if damaged {
+            return Err(place(format!("text in {}, but damaged: some of it is no character", encoding.name())));
+        }
+        if let Some(reason) = foreign::named(decoded.as_bytes(), extension) {
+            return Err(place(reason));
+        }
+        return text::read(name, decoded.as_bytes(), options.dim, columns, encoding.name());
     }
     if text::is_text(bytes) {
-        return text::read(name, bytes, options.dim, columns);
+        return text::read(name, bytes, options.dim, columns, "");
     }
     let element = match extension {
         "rps" => return raw::read(name, bytes, RawLayout::RPS, columns),
         "f32" => RawElement::F32,
         "f64" => RawElement::F64,
         _ if KNOWN_EXTENSIONS.contains(&extension) || !raw::could_be_rps(bytes) => {
-            return Err(unknown(name, bytes, columns.rows));
+            return Err(unknown(name, columns.rows));
         }
         _ => return raw::read(name, bytes, RawLayout::RPS, columns),
     };
@@ -325,10 +353,7 @@ pub(crate) fn read_bytes(
     }
 }
 
-fn unknown(name: &str, bytes: &[u8], rows: Rows) -> Error {
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        return Error::input(name, "compressed with gzip; unpack it first");
-    }
+fn unknown(name: &str, rows: Rows) -> Error {
     let raw = match rows {
         Rows::Points => "need `raw` f32x2 or the like",
         Rows::WaveVectors => "need a name that ends in .f32 or .f64",
@@ -342,19 +367,139 @@ struct Sets {
     sets: Vec<Vec<f64>>,
     /// The number of the first, where these are some of many.
     first: Option<u64>,
+    /// The names of the columns, if there are any.
+    names: Vec<String>,
+    /// As in a reading.
+    format: String,
+    apart: Apart,
+    digits: Option<u32>,
 }
 
-/// One set is called by its file; several are numbered from 0. Binary files name no columns.
-fn numbered(name: &str, Sets { width, sets, first }: Sets, columns: &Columns) -> Result<Vec<MarkedPoints>> {
-    let marks = columns.find(width, &[]).map_err(|reason| Error::input(name, reason))?;
+/// One set is called by its file; several are numbered from 0.
+fn numbered(name: &str, all: Sets, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+    let Sets { width, sets, first, names, format, apart, digits } = all;
+    let fail = |reason: String| Error::input(name, reason);
+    let bytes: Vec<&[u8]> = names.iter().map(String::as_bytes).collect();
+    let marks = columns.find(width, &bytes).map_err(fail)?;
+    let taken = marks.coordinates(width);
+    if !(1..=3).contains(&taken.len()) {
+        let reason = match taken.len() {
+            0 => "no column is left for coordinates".to_string(),
+            n => format!("{n} columns are left for coordinates, expected 1 to 3; `columns` chooses, as in 1,2"),
+        };
+        return Err(fail(reason));
+    }
+    let called = |k: usize| names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string());
+    let realization = columns.realization.as_ref().and(marks.realization);
+    if columns.realization == Some(Separator::BlankLines) {
+        return Err(fail("`realization_column` blank-lines is about text, which this file is not".into()));
+    }
+    if let Some(column) = realization.filter(|_| sets.len() > 1) {
+        let reason = format!("`realization_column` {}: its arrays are realizations already", called(column));
+        return Err(fail(reason));
+    }
+    let mut reading = Reading {
+        format,
+        columns: taken.iter().map(|&k| called(k)).collect(),
+        unused: (0..width).filter(|k| !taken.contains(k) && !marks.contain(*k)).map(called).collect(),
+        apart: realization.map_or(apart, |k| Apart::Column(called(k))),
+        digits,
+        notes: Vec::new(),
+    };
     let single = sets.len() == 1 && first.is_none();
     let source = |k: usize| {
         if single { name.to_owned() } else { format!("{name}, realization {}", first.unwrap_or(0) + k as u64) }
     };
-    let set = |(k, coordinates)| {
-        MarkedPoints::split(RawPoints { dim: width, coordinates, source: source(k), lines: Vec::new() }, marks)
+    let mut done = Vec::new();
+    for (k, coordinates) in sets.into_iter().enumerate() {
+        let all = RawPoints { dim: width, coordinates, source: source(k), lines: Vec::new() };
+        let (set, keys) = MarkedPoints::split(all, &marks, Arc::default())?;
+        match realization {
+            Some(column) => done.extend(by_value(set, &keys, &format!("realization {}", called(column)))),
+            None => done.push(set),
+        }
+    }
+    if marks.coordinates.is_empty() && names.is_empty() && first.unwrap_or(0) == 0 {
+        match suspicious(&done, |k| Some(called(taken[k]))) {
+            Some(Ok(note)) => reading.notes.push(format!("{name}: {note}")),
+            Some(Err(reason)) if columns.rows == Rows::Points => return Err(fail(reason)),
+            _ => {}
+        }
+    }
+    let reading = Arc::new(reading);
+    done.iter_mut().for_each(|set| set.reading = reading.clone());
+    Ok(done)
+}
+
+/// Points apart by a number each has.
+fn by_value(set: MarkedPoints, values: &[f64], what: &str) -> Vec<MarkedPoints> {
+    let (mut known, mut names) = (HashMap::new(), Vec::new());
+    let key = |value: &f64| {
+        // 0 has two signs.
+        *known.entry((value + 0.0).to_bits()).or_insert_with(|| {
+            names.push(value.to_string());
+            names.len() as u32 - 1
+        })
     };
-    sets.into_iter().enumerate().map(set).collect()
+    let keys: Vec<u32> = values.iter().map(key).collect();
+    set.apart(&keys, &names, what)
+}
+
+/// A column among coordinates that nobody named which numbers the points or their realizations: why it is refused, or what is
+/// said of it. `name` has the columns that may be such.
+fn suspicious(sets: &[MarkedPoints], name: impl Fn(usize) -> Option<String>) -> Option<Result<String, String>> {
+    const FEWEST: usize = 4;
+    let set = &sets.first()?.points;
+    let dim = set.dim;
+    if dim < 2 || set.len() < FEWEST {
+        return None;
+    }
+    let whole = |axis: usize| set.coordinates.chunks_exact(dim).all(|point| point[axis].fract() == 0.0);
+    for axis in (0..dim).filter(|&axis| whole(axis)) {
+        let Some(called) = name(axis) else { continue };
+        let values = || set.coordinates.chunks_exact(dim).map(move |point| point[axis]);
+        let others: Vec<usize> = (0..dim).filter(|&other| other != axis).collect();
+        let all_whole = others.iter().all(|&other| whole(other));
+        let listed = |axes: &[usize]| {
+            let names: Vec<_> = axes.iter().map(|&axis| name(axis).unwrap_or((axis + 1).to_string())).collect();
+            names.join(",")
+        };
+        let (without, with) = (listed(&others), listed(&(0..dim).collect::<Vec<_>>()));
+        let first = set.coordinates[axis];
+        if (first == 0.0 || first == 1.0) && values().enumerate().all(|(j, v)| v == first + j as f64) {
+            let what = format!("column {called} counts the rows ({first}, {}, {}, ...)", first + 1.0, first + 2.0);
+            return Some(match dim == 2 && all_whole {
+                true => Ok(format!("{what} and was read as a coordinate; `columns` {without} leaves it out")),
+                false => Err(format!("{what}; `columns` {without} leaves it out, {with} takes it for a coordinate")),
+            });
+        }
+        let mut steps = values().zip(values().skip(1)).map(|(a, b)| b - a);
+        let (mut blocks, mut step) = (1, 0.0);
+        let even = steps.all(|s| {
+            blocks += usize::from(s != 0.0);
+            step = if step == 0.0 { s } else { step };
+            s == 0.0 || s == step
+        });
+        if even
+            && step > 0.0
+            && blocks > 1
+            && FEWEST * blocks <= set.len()
+            && !all_whole
+            && (axis == 0 || axis + 1 == dim)
+        {
+            let what = format!("column {called} has {blocks} whole numbers, each in a block, as frames have");
+            let choose = format!("`realization_column` {called} makes each a realization");
+            return Some(match axis == 0 && dim == 3 {
+                true => Err(format!(
+                    "{what}; {choose}, `columns` {without} leaves it out, {with} takes it for a coordinate"
+                )),
+                false => {
+                    Ok(format!("{what}, and was read as a coordinate; {choose}, `columns` {without} leaves it out"))
+                }
+            });
+        }
+    }
+    None
 }
 
 /// The type of the numbers in a binary file.
@@ -374,6 +519,32 @@ enum Element {
 }
 
 impl Element {
+    /// As messages name it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::F16 => "float16",
+            Self::F32 => "float32",
+            Self::F64 => "float64",
+            Self::I8 => "int8",
+            Self::I16 => "int16",
+            Self::I32 => "int32",
+            Self::I64 => "int64",
+            Self::U8 => "uint8",
+            Self::U16 => "uint16",
+            Self::U32 => "uint32",
+            Self::U64 => "uint64",
+        }
+    }
+
+    /// Binary digits of a number, where they are fewer than those of f64.
+    fn digits(self) -> Option<u32> {
+        match self {
+            Self::F16 => Some(11),
+            Self::F32 => Some(24),
+            _ => None,
+        }
+    }
+
     fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,

@@ -8,7 +8,7 @@ use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::{Columns, Element, MarkedPoints, Sets, check_length, numbered, plural};
+use super::{Apart, Columns, Element, MarkedPoints, Sets, check_length, numbered, plural};
 use crate::error::{Error, Result};
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -43,7 +43,26 @@ pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> 
     } else {
         flat.chunks_exact(n * d).map(<[f64]>::to_vec).collect()
     };
-    Ok(Sets { width: d, sets, first: None })
+    Ok(Sets { sets, ..described(element, &shape, None) })
+}
+
+/// What is said of an array of this shape, without its numbers.
+fn described(element: Element, shape: &[u64], first: Option<u64>) -> Sets {
+    Sets {
+        width: if shape.len() == 1 { 1 } else { shape.last().map_or(1, |&d| d as usize) },
+        sets: Vec::new(),
+        first,
+        names: Vec::new(),
+        format: format!("NPY of {}", element.name()),
+        apart: if shape.len() == 3 { Apart::FirstAxis } else { Apart::Files },
+        digits: element.digits(),
+    }
+}
+
+/// The shape of an array, if its header can be read.
+pub(super) fn shape(bytes: &[u8]) -> Option<Vec<u64>> {
+    let (text, _) = split(bytes).ok()?;
+    parse(text).ok().map(|header| header.shape)
 }
 
 /// An array (K, n, d) in C order whose realizations are read when they are needed.
@@ -102,7 +121,7 @@ impl Rows {
         }
         let flat = self.element.decode(&bytes, self.big_endian);
         let sets = flat.chunks_exact(numbers).map(<[f64]>::to_vec).collect();
-        let sets = Sets { width: self.sizes[2] as usize, sets, first: Some(range.start) };
+        let sets = Sets { sets, ..described(self.element, &self.sizes, Some(range.start)) };
         numbered(&self.path.display().to_string(), sets, columns)
     }
 }
@@ -207,14 +226,18 @@ fn sizes(shape: &[u64], columns: &Columns) -> Result<(u64, u64, u64), String> {
         }
     };
     let marks = columns.count() as u64;
-    if (1 + marks..=3 + marks).contains(&d) {
+    if (1 + marks..=3 + marks).contains(&d) || (d > 0 && !columns.coordinates.is_empty()) {
         return Ok((k, n, d));
     }
     if marks > 0 {
         let reason = format!("expected {} to {} columns: coordinates, and those the flags name", 1 + marks, 3 + marks);
         return Err(format!("shape {} has {}; {reason}", show_shape(shape), plural(d, "column")));
     }
-    let hint = if (1..=3).contains(&n) && shape.len() > 1 { "; it seems to be transposed" } else { "" };
+    let hint = match columns.rows {
+        _ if (1..=3).contains(&n) && shape.len() > 1 => "; it seems to be transposed",
+        super::Rows::Points if d > 3 => "; `columns` chooses them, as in 1,2",
+        _ => "",
+    };
     Err(format!(
         "shape {} has {d} {}s per {}; expected (n, d) or (K, n, d) with d = 1, 2 or 3{hint}",
         show_shape(shape),

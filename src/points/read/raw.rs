@@ -4,7 +4,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Columns, Element, MarkedPoints, Sets, numbered, plural};
+use super::{Apart, Columns, Element, MarkedPoints, Sets, numbered, plural};
 use crate::error::{Error, Result};
 use crate::setting::Setting;
 
@@ -24,8 +24,8 @@ pub struct RawLayout {
     width: usize,
 }
 
-/// Three coordinates, a weight and a class.
-const WIDEST: usize = 5;
+/// Most numbers per point: coordinates, and what else there may be.
+const WIDEST: usize = 9;
 
 impl RawLayout {
     /// PSA's `.rps`.
@@ -73,7 +73,9 @@ impl FromStr for RawLayout {
             _ => return Err(wrong(text)),
         };
         match dim {
-            "1" | "2" | "3" | "4" | "5" => Self::new(element, usize::from(dim.as_bytes()[0] - b'0')),
+            "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "9" => {
+                Self::new(element, usize::from(dim.as_bytes()[0] - b'0'))
+            }
             _ => Err(wrong(text)),
         }
     }
@@ -83,12 +85,13 @@ fn wrong(text: &str) -> Error {
     Error::setting(
         Setting::Raw,
         text,
-        "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point)",
+        "expected f32x1, f32x2, f32x3, f64x1, f64x2 or f64x3 (type x coordinates per point), or up to x9 where `columns` and the like say what the numbers are",
     )
 }
 
 pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Columns) -> Result<Vec<MarkedPoints>> {
-    if !(1..=3).contains(&(layout.width.saturating_sub(columns.count()))) {
+    let left = layout.width.saturating_sub(columns.count());
+    if !(1..=3).contains(&left) && (columns.coordinates.is_empty() || left == 0) {
         return Err(wrong(&layout.to_string()));
     }
     let element = match layout.element {
@@ -105,7 +108,16 @@ pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Column
         );
         return Err(Error::input(name, reason));
     }
-    numbered(name, Sets { width: layout.width, sets: vec![element.decode(bytes, false)], first: None }, columns)
+    let sets = Sets {
+        width: layout.width,
+        sets: vec![element.decode(bytes, false)],
+        first: None,
+        names: Vec::new(),
+        format: format!("raw {layout}"),
+        apart: Apart::Files,
+        digits: element.digits(),
+    };
+    numbered(name, sets, columns)
 }
 
 /// Whether `bytes` are pairs of fractions, as in `.rps`. An f64 in [2^-7, 1) read as two f32 gives one at or above 1,

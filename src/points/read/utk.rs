@@ -3,14 +3,15 @@
 //!
 //! Integers are coordinates as they stand: UTK's own reader casts them without scaling.
 
-use super::{Element, Rows, Sets, check_length};
+use super::{Apart, Columns, Element, Sets, check_length};
 use crate::error::{Error, Result};
 use crate::points::write::UTK_SETS_DIFFER;
 
 pub(super) const MAGIC: [u8; 4] = 0x214B_5455_u32.to_le_bytes();
 const HEADER: usize = 20;
 
-pub(super) fn read(name: &str, bytes: &[u8], rows: Rows) -> Result<Sets> {
+pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> {
+    let rows = columns.rows;
     let Some((header, data)) = bytes.split_at_checked(HEADER) else {
         let reason = format!("truncated: the header of a UTK .bin has {HEADER} bytes, found {}", bytes.len());
         return Err(Error::input(name, reason));
@@ -33,8 +34,11 @@ pub(super) fn read(name: &str, bytes: &[u8], rows: Rows) -> Result<Sets> {
         }
     };
     let (one, number) = (rows.one(), rows.number());
-    if !(1..=3).contains(&d) {
-        return Err(Error::input(name, format!("{d} {number}s per {one}; 1, 2 or 3 are supported")));
+    if !(1..=3).contains(&d) && columns.coordinates.is_empty() {
+        return Err(Error::input(
+            name,
+            format!("{d} {number}s per {one}; 1, 2 or 3 are supported, and `columns` chooses them, as in 1,2"),
+        ));
     }
     if m == 0 || (n == 0 && m > 1) {
         return Err(Error::input(name, format!("no {one}s: {m} sets of {n} {one}s")));
@@ -51,5 +55,13 @@ pub(super) fn read(name: &str, bytes: &[u8], rows: Rows) -> Result<Sets> {
         );
         return Err(Error::input(name, reason));
     }
-    Ok(Sets { width: d as usize, sets: sets.iter().map(|set| element.decode(set, false)).collect(), first: None })
+    Ok(Sets {
+        width: d as usize,
+        sets: sets.iter().map(|set| element.decode(set, false)).collect(),
+        first: None,
+        names: Vec::new(),
+        format: format!("UTK .bin of {}", element.name()),
+        apart: if m > 1 { Apart::Sets } else { Apart::Files },
+        digits: element.digits(),
+    })
 }

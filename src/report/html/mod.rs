@@ -46,12 +46,14 @@ pub(super) fn page(analysis: &Analysis, pictures: &BTreeMap<&'static str, Pictur
         let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(command));
     }
     let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
+    let read = a.input.as_ref().map(|input| ("Read".into(), escape(&input.words())));
     let backends: Vec<_> = a.computed_by.backends.iter().map(|b| backend(*b)).collect();
     let mut rows = vec![
         ("Device".into(), escape(&a.computed_by.device())),
         ("Backend".into(), backends.join(", ")),
         ("Program".into(), concat!("pairwave ", env!("CARGO_PKG_VERSION")).into()),
     ];
+    rows.splice(0..0, read);
     rows.extend(sections().filter_map(|section| section.accuracy(a)));
     let seconds: f64 = a.timings.iter().map(|t| t.1).sum();
     if !a.timings.is_empty() {

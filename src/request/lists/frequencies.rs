@@ -22,6 +22,17 @@ pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
     let mut vectors = Vec::new();
     let columns = Columns { rows: Rows::WaveVectors, ..Columns::default() };
     for set in read_file(path, &ReadOptions { dim: Some(dim), raw: None }, &columns)? {
+        if let Some(column) = set.reading.columns.iter().find(|name| is_angular(name)) {
+            let (unit, names) = match domain.is_torus() {
+                true => ("integers m, cycles per side of the torus", "m_x, m_y"),
+                false => ("cycles per unit length", "nu_x, nu_y"),
+            };
+            let reason = format!(
+                "column {column} is by its name an angular frequency, 2 pi times cycles per unit length; expected {unit}: \
+                 convert, and call the columns {names}"
+            );
+            return Err(Error::input(path.display().to_string(), reason));
+        }
         let set = set.points;
         let place = |j: usize| match set.lines.is_empty() {
             true => format!("{}, wave vector {j}", set.source),
@@ -51,6 +62,19 @@ pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
     let list = WaveList { dim, vectors, mirrored: false };
     list.check_size(Setting::Frequencies, path.display())?;
     Ok(list)
+}
+
+/// Whether a column is called as angular frequencies are: kx, k_y, q1, omega.
+fn is_angular(name: &str) -> bool {
+    let plain: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    let stems = ["wavenumber", "wavevector", "omega", "\u{3c9}", "k", "q"];
+    let end =
+        |stem: &str| plain.strip_prefix(stem).is_some_and(|end| ["", "x", "y", "z", "0", "1", "2", "3"].contains(&end));
+    // With a unit: `kx (rad/m)`.
+    stems.into_iter().any(end) || name.contains("rad/") || plain.starts_with("angular") || {
+        let bare = name.split(['(', '[']).next().unwrap_or_default().trim();
+        bare.len() < name.len() && is_angular(bare)
+    }
 }
 
 /// Why a coordinate of a wave vector cannot be used.

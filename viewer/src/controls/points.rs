@@ -10,12 +10,15 @@ use crate::set::{Set, fitting, of_sampler};
 use crate::style;
 
 /// Settings of files.
-pub(super) const OF_FILES: [(Setting, &str); 6] = [
+pub(super) const OF_FILES: [(Setting, &str); 9] = [
     (Setting::Domain, "domain"),
     (Setting::Sides, "box"),
     (Setting::Window, "window"),
     (Setting::Wrap, "fold points outside back in"),
     (Setting::Raw, "raw numbers"),
+    (Setting::Array, "arrays"),
+    (Setting::Columns, "columns"),
+    (Setting::RealizationColumn, "realizations"),
     (Setting::WeightColumn, "weights"),
 ];
 

@@ -1,0 +1,102 @@
+//! What a reader took of a file: what the first line of a run says, and what the user should know.
+
+use serde::{Deserialize, Serialize};
+
+/// By what the realizations of a file are told apart.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Apart {
+    /// By nothing: the file is one.
+    #[default]
+    Files,
+    /// By lines that are only a comment.
+    Comments,
+    /// By blank lines.
+    BlankLines,
+    /// By the values of a column.
+    Column(String),
+    /// By the first axis of an array.
+    FirstAxis,
+    /// Each is an array.
+    Arrays,
+    /// By the sets of a UTK file.
+    Sets,
+}
+
+impl Apart {
+    fn words(&self) -> String {
+        match self {
+            Self::Files => "each file is one realization".into(),
+            Self::Comments => "realizations told apart by comment lines".into(),
+            Self::BlankLines => "realizations told apart by blank lines".into(),
+            Self::Column(name) => format!("realizations told apart by column {name}"),
+            Self::FirstAxis => "realizations are the first axis of the array".into(),
+            Self::Arrays => "each array is one realization".into(),
+            Self::Sets => "realizations are the sets of the file".into(),
+        }
+    }
+}
+
+/// What was taken of one file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Reading {
+    /// In words: `CSV, header in line 1`.
+    pub format: String,
+    /// The columns that hold coordinates, by name or by number from 1.
+    pub columns: Vec<String>,
+    /// Those that were not used.
+    pub unused: Vec<String>,
+    /// How realizations were told apart.
+    pub apart: Apart,
+    /// Binary digits of a stored number, where they are fewer than those of f64.
+    pub digits: Option<u32>,
+    /// What the user should know, each with its file.
+    pub notes: Vec<String>,
+}
+
+/// What was read of all files.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Files or streams.
+    pub files: u64,
+    /// Their formats in words, each once.
+    pub formats: Vec<String>,
+    /// The columns that hold coordinates, by name or by number from 1; of the first file.
+    pub columns: Vec<String>,
+    /// Columns that were not used; of the first file.
+    pub unused_columns: Vec<String>,
+    /// How realizations were told apart, in words.
+    pub realizations: Vec<String>,
+    /// How many points lay outside the box and were folded into it; `null` where that was not asked for.
+    pub wrapped: Option<u64>,
+}
+
+/// Of this many files what is said of each is kept; of the rest, that there are more.
+const MOST: usize = 10;
+
+impl Input {
+    /// Takes another file into account, or another piece of one.
+    pub(crate) fn see(&mut self, reading: &Reading) {
+        if self.columns.is_empty() {
+            (self.columns, self.unused_columns) = (reading.columns.clone(), reading.unused.clone());
+        }
+        let words = reading.apart.words();
+        for (all, one) in [(&mut self.formats, &reading.format), (&mut self.realizations, &words)] {
+            if !all.contains(one) && all.len() < MOST {
+                all.push(one.clone());
+            }
+        }
+    }
+
+    /// `CSV, header in line 1, columns x, y (not used: id); each file is one realization`.
+    pub fn words(&self) -> String {
+        let mut words = self.formats.join(" and ");
+        if !self.columns.is_empty() {
+            let noun = if self.columns.len() == 1 { "column" } else { "columns" };
+            words += &format!(", {noun} {}", self.columns.join(", "));
+        }
+        if !self.unused_columns.is_empty() {
+            words += &format!(" (not used: {})", self.unused_columns.join(", "));
+        }
+        format!("{words}; {}", self.realizations.join("; "))
+    }
+}
