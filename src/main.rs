@@ -19,7 +19,20 @@ struct Arguments {
     command: Command,
 }
 
+/// Where there is no desktop, Vulkan's drivers ask for a Wayland display all the same, and complain aloud that there is no folder
+/// to look for one. There: one without any.
+#[cfg(target_os = "linux")]
+#[expect(unsafe_code, reason = "sets a variable of the environment before there are threads")]
+fn look_nowhere_for_wayland() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: called first of all, when no other thread reads or writes the environment.
+        unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) }
+    }
+}
+
 fn main() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    look_nowhere_for_wayland();
     let mut command = Arguments::command().mut_subcommand("analyze", pairwave::request::dress);
     let matches = command.get_matches_mut();
     // clap prints usage errors itself, with exit code 2.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use xxhash_rust::xxh3::{Xxh3Default, xxh3_64_with_seed};
 
 use super::Measurement;
 use crate::compute::Device;
@@ -20,8 +21,9 @@ fn curves(found: &Analysis) -> Vec<Curve> {
 }
 
 /// Simulates what was measured: independent uniform points in the same domain, as many in each realization. A bandwidth
-/// found by cross-validation is found anew, so that all curves are treated alike. Simulation s of N takes sampler `random` with
-/// seed 2^64 - s, on the scale of the domain.
+/// found by cross-validation is found anew, so that all curves are treated alike. Simulations are drawn by sampler `random`, with
+/// seeds that depend on the data and on the seed asked for: the same run repeats them, and over many data sets a test has the
+/// size that it says.
 pub(super) async fn envelopes(
     observed: &Measurement,
     found: &Analysis,
@@ -34,6 +36,7 @@ pub(super) async fn envelopes(
     let sizes: Arc<[u64]> = observed.sizes.values().copied().collect();
     let observed_curves = curves(found);
     let mut simulated = vec![Vec::new(); observed_curves.len()];
+    let drawn_for = data_digest(observed);
     for s in 0..simulations {
         let planned = observed.planned();
         let piece = observed.plan.simulated_seconds() / planned / simulations as f64;
@@ -42,7 +45,12 @@ pub(super) async fn envelopes(
         progress(Progress { stage: "envelope", done: s, total: simulations, before, piece, planned });
         let (of, n) = (domain.clone(), sizes.clone());
         let draw = move |range: std::ops::Range<u64>| {
-            random(&of, u64::MAX - s, range.start, &n[range.start as usize..range.end as usize])
+            random(
+                &of,
+                xxh3_64_with_seed(&s.to_le_bytes(), drawn_for),
+                range.start,
+                &n[range.start as usize..range.end as usize],
+            )
         };
         let source = Points::drawn("simulation", domain.clone(), observed.shape(), Box::new(draw));
         let mut simulation = Measurement::new(observed.request.clone(), Arc::new(source), plan.clone());
@@ -52,6 +60,18 @@ pub(super) async fn envelopes(
     }
     let curves = observed_curves.into_iter().zip(simulated).map(|(curve, all)| Envelope::new(curve, &all)).collect();
     Ok(Envelopes { simulations, curves })
+}
+
+/// What simulations are drawn for: the first realization, and the seed asked for.
+fn data_digest(observed: &Measurement) -> u64 {
+    let mut hash = Xxh3Default::new();
+    hash.update(&observed.request.input.seed.unwrap_or(1).to_le_bytes());
+    if let Some(first) = &observed.first {
+        for axis in 0..first.domain().dim() {
+            first.all_lengths(axis).iter().for_each(|x| hash.update(&x.to_le_bytes()));
+        }
+    }
+    hash.digest()
 }
 
 /// Realizations `first..` of complete spatial randomness, of the given sizes.

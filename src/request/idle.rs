@@ -41,6 +41,11 @@ pub(crate) fn refuse_idle_settings(request: &Request) -> Result<()> {
         let value = if idle.is_switch() { "(given)".into() } else { request.value(idle.setting) };
         return Err(Error::setting(idle.setting, value, format!("needs {names} among `stats`")));
     }
+    let drawn = request.input.sampler.is_some() || request.envelope.is_some() || request.input.files.is_empty();
+    if let Some(seed) = request.input.seed.filter(|_| !drawn) {
+        let reason = "draws the points of `sampler` NAME and the simulations of `envelope`; point files alone have no use for it";
+        return Err(Error::setting(Setting::Seed, seed, reason));
+    }
     if let Some(path) = request.frequencies.as_ref().filter(|_| request.stats.contains(&Radial)) {
         let reason = "a list of wave vectors has no rings; expected `stats` spectrum without radial";
         return Err(Error::setting(Setting::Frequencies, path.display(), reason));
@@ -74,10 +79,12 @@ pub(crate) fn refuse_unknown_to_convention(request: &Request) -> Result<()> {
     Ok(())
 }
 
-/// Files hold their own points; what shapes a sampler's would be silently ignored.
+/// Files hold their own points; what shapes a sampler's would be silently ignored. A seed is for simulations too, of which
+/// nothing is known here: see `refuse_idle_settings`.
 pub(crate) fn refuse_settings_of_samplers(points: &PointsRequest) -> Result<()> {
     let request = Request { input: points.clone(), ..Request::default() };
-    match SETTINGS.iter().find(|row| row.for_samplers && row.is_given(&request)) {
+    let shapes = |row: &&Row| row.for_samplers && row.setting != Setting::Seed && row.is_given(&request);
+    match SETTINGS.iter().find(shapes) {
         Some(row) => {
             let reason = "applies to `sampler` NAME only, not to point files";
             Err(Error::setting(row.setting, request.value(row.setting), reason))

@@ -87,7 +87,7 @@ pub struct PointsRequest {
 
     /// Seed (with --sampler)
     ///
-    /// Seed (with --sampler): the same seed draws the same points, on every machine.
+    /// Seed (with --sampler or --envelope): the same seed draws the same points and simulations, on every machine.
     #[cfg_attr(feature = "cli", arg(long))]
     pub seed: Option<u64>,
 

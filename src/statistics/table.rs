@@ -1,10 +1,15 @@
 //! Tables: named columns, and the CSV files made of them.
 
+use std::borrow::Cow;
+
 use crate::estimate::Band;
+
+/// The name of a column.
+pub(crate) type Name = Cow<'static, str>;
 
 /// Columns of equal length.
 pub(crate) struct Table {
-    columns: Vec<(&'static str, Vec<String>)>,
+    columns: Vec<(Name, Vec<String>)>,
 }
 
 /// A float as the shortest decimal that reads back as the same f64, zero without a sign; undefined or infinite: empty.
@@ -19,8 +24,8 @@ impl Table {
     }
 
     /// Real numbers.
-    pub(crate) fn floats(mut self, name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
-        self.columns.push((name, values.into_iter().map(cell).collect()));
+    pub(crate) fn floats(mut self, name: impl Into<Name>, values: impl IntoIterator<Item = f64>) -> Self {
+        self.columns.push((name.into(), values.into_iter().map(cell).collect()));
         self
     }
 
@@ -30,14 +35,14 @@ impl Table {
     }
 
     /// Counts.
-    pub(crate) fn integers(mut self, name: &'static str, values: impl IntoIterator<Item = u64>) -> Self {
-        self.columns.push((name, values.into_iter().map(|v| v.to_string()).collect()));
+    pub(crate) fn integers(mut self, name: impl Into<Name>, values: impl IntoIterator<Item = u64>) -> Self {
+        self.columns.push((name.into(), values.into_iter().map(|v| v.to_string()).collect()));
         self
     }
 
     /// Words.
-    pub(crate) fn text(mut self, name: &'static str, values: impl IntoIterator<Item = String>) -> Self {
-        self.columns.push((name, values.into_iter().collect()));
+    pub(crate) fn text(mut self, name: impl Into<Name>, values: impl IntoIterator<Item = String>) -> Self {
+        self.columns.push((name.into(), values.into_iter().collect()));
         self
     }
 
@@ -51,7 +56,7 @@ impl Table {
     /// The table as CSV: one header line, then one line per row.
     pub(crate) fn csv(&self) -> std::io::Result<Vec<u8>> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.columns.iter().map(|c| c.0))?;
+        writer.write_record(self.columns.iter().map(|c| c.0.as_ref()))?;
         let rows = self.columns.iter().map(|c| c.1.len()).max().unwrap_or(0);
         for row in 0..rows {
             // A column that is too short leaves cells empty; the reader sees a hole, not a shifted table.

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod envelope;
 mod fallback;
 mod measurement;
 mod sources;

@@ -112,12 +112,12 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
     let (all, cross) = (csv(&scratch.path("both/pcf.csv")), csv(&scratch.path("both/pcf_cross.csv")));
     let sum = |name: &str| column::<u64>(&cross, name).iter().sum::<u64>();
     let whole: u64 = column::<u64>(&all, "count").iter().sum();
-    assert_eq!(sum("count_aa") + sum("count_bb") + 2 * sum("count_ab"), whole, "every pair is of some kind");
+    assert_eq!(sum("count_1_1") + sum("count_2_2") + 2 * sum("count_1_2"), whole, "every pair is of some kind");
     // Classes by number, in the other order: the same g between them.
     scratch.ok(&format!("analyze trees.csv {common} --class-column 3 --classes 2,1 --out turned"));
     let turned = csv(&scratch.path("turned/pcf_cross.csv"));
-    assert_eq!(column::<String>(&turned, "g_ab"), column::<String>(&cross, "g_ab"));
-    assert_eq!(column::<String>(&turned, "g_aa"), column::<String>(&cross, "g_bb"));
+    assert_eq!(column::<String>(&turned, "g_2_1"), column::<String>(&cross, "g_1_2"));
+    assert_eq!(column::<String>(&turned, "g_2_2"), column::<String>(&cross, "g_2_2"));
     // Weights that are all alike, and a warning that P does not know them.
     scratch.file("sizes.txt", &points.replace(",1\n", ",4\n").replace(",2\n", ",4\n"));
     let weighted = "--weight-column 3 --stats pcf,neighbors";

@@ -36,7 +36,8 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
     )
 }
 
-/// `pcf_cross.csv`: as `pcf.csv` for two classes a and b; `count_ab` are ordered pairs from a to b.
+/// `pcf_cross.csv`: as `pcf.csv` within each of two classes and from the first to the second, with their names: of oaks and elms
+/// `g_oak_oak`, `g_elm_elm`, `g_oak_elm`.
 pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
     let cross = analysis.cross()?;
     let [a, b, ab] = [&cross.a, &cross.b, &cross.between];
@@ -44,15 +45,12 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Table> {
         .floats("r_lo", ab.r_lo.iter().copied())
         .floats("r", ab.r.iter().copied())
         .floats("r_hi", ab.r_hi.iter().copied());
-    for (names, g) in [
-        (["count_aa", "g_aa", "g_aa_se"], a),
-        (["count_bb", "g_bb", "g_bb_se"], b),
-        (["count_ab", "g_ab", "g_ab_se"], ab),
-    ] {
+    let [first, second] = &cross.classes;
+    for (from, to, g) in [(first, first, a), (second, second, b), (first, second, ab)] {
         table = table
-            .integers(names[0], g.count.iter().copied())
-            .floats(names[1], g.g.iter().copied())
-            .floats(names[2], g.g_se.iter().copied());
+            .integers(format!("count_{from}_{to}"), g.count.iter().copied())
+            .floats(format!("g_{from}_{to}"), g.g.iter().copied())
+            .floats(format!("g_{from}_{to}_se"), g.g_se.iter().copied());
     }
     Some(table)
 }
