@@ -137,7 +137,8 @@ fn settle(i: u32, j: u32) -> u32 {
 fn own_negative(lag: vec2<u32>, axis: u32) -> bool {
     if (all(lag == vec2<u32>(0u))) { return true; }
     let period = vec2<u32>(params.side_low[axis], params.side_high[axis]);
-    return WINDOW == 0u && all(wide_add(wide_add(lag, lag), period) == vec2<u32>(0u));
+    // Modulo 2^64 the sum is 0 for 2^63 less half a period too, which is positive.
+    return WINDOW == 0u && lag.y >= 0x80000000u && all(wide_add(wide_add(lag, lag), period) == vec2<u32>(0u));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -182,9 +182,12 @@ impl Domain {
         periods
     }
 
-    /// Side of each axis in fixed-point steps of `length_unit() / 2^64`, rounded to nearest; no position in a window is beyond
-    /// it. 0 stands for 2^64, the longest side of a torus.
+    /// Side of each axis in fixed-point steps of `length_unit() / 2^64`: the period of a torus; of a window rounded to nearest,
+    /// so that no position is beyond it. 0 stands for 2^64, the longest side of a torus.
     pub fn side_steps(&self) -> [u64; 3] {
+        if self.is_torus() {
+            return self.periods();
+        }
         let mut sides = [0; 3];
         for (steps_of, (&side, &rest)) in sides.iter_mut().zip(self.sides.iter().zip(&self.rests)) {
             *steps_of = steps([side, rest], self.length_unit()) as u64;
