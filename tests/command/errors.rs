@@ -14,6 +14,8 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("hole.csv", "x,y\n0.1,0.2\n,\n0.3,0.9\n");
     scratch.file("atoms.xyz", "1\n\nAr 0.1 0.2 0.3\n");
     scratch.file("kx.csv", "kx,ky\n6.28,0\n");
+    scratch.file("nu.csv", "nu_x,nu_y\n1,0\n");
+    scratch.file("yx.csv", "m_y,m_x\n1,0\n");
     scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
     scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
     scratch.file("edges.txt", "0 0.1 0.05\n");
@@ -67,6 +69,16 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "analyze atoms.xyz",
             1,
             "atoms.xyz: XYZ (count, comment, elements), which is not read here; write the positions as CSV with a header x,y,z, or with OVITO and numpy as .npy, shape (K, n, d)",
+        ),
+        (
+            "analyze ok.csv --box 2,2 --stats spectrum --frequencies nu.csv",
+            1,
+            "nu.csv: column nu_x: expected integers m, cycles per side; nu is in cycles per unit length: multiply by the side",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies yx.csv",
+            1,
+            "yx.csv: column m_y stands in place 1; expected the axes in order, x first",
         ),
         (
             "analyze ok.csv --window 0,1,0,1 --stats spectrum --frequencies kx.csv",

@@ -33,6 +33,9 @@ pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
             );
             return Err(Error::input(path.display().to_string(), reason));
         }
+        if let Some(reason) = misnamed(&set.reading.columns, domain) {
+            return Err(Error::input(path.display().to_string(), reason));
+        }
         let set = set.points;
         let place = |j: usize| match set.lines.is_empty() {
             true => format!("{}, wave vector {j}", set.source),
@@ -75,6 +78,34 @@ fn is_angular(name: &str) -> bool {
         let bare = name.split(['(', '[']).next().unwrap_or_default().trim();
         bare.len() < name.len() && is_angular(bare)
     }
+}
+
+/// What the names of columns say against taking them in this order and unit: `nu_x` on a torus, `m_x` in a window (the same
+/// only where sides are 1), `nu_y` before `nu_x`.
+fn misnamed(columns: &[String], domain: &Domain) -> Option<String> {
+    let given = if domain.is_torus() { "m" } else { "nu" };
+    for (axis, name) in columns.iter().enumerate() {
+        let plain: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+        let bare = plain.trim_end_matches(['x', 'y', 'z']);
+        let stem = match bare {
+            "nu" | "\u{3bd}" => "nu",
+            "m" => "m",
+            "f" => given,
+            _ => continue,
+        };
+        if stem != given && domain.sides()[axis] != 1.0 {
+            let (unit, other) = match given {
+                "m" => ("integers m, cycles per side", "nu is in cycles per unit length: multiply by the side"),
+                _ => ("nu, cycles per unit length", "m is in cycles per side: divide by the side"),
+            };
+            return Some(format!("column {name}: expected {unit}; {other}"));
+        }
+        let place = ["x", "y", "z"].iter().position(|axis| plain[bare.len()..] == **axis);
+        if place.is_some_and(|place| place != axis) {
+            return Some(format!("column {name} stands in place {}; expected the axes in order, x first", axis + 1));
+        }
+    }
+    None
 }
 
 /// Why a coordinate of a wave vector cannot be used.
