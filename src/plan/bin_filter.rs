@@ -52,6 +52,14 @@ impl BinTable {
     pub const CELL_SHIFT: u32 = 13;
     /// Marks a cell near which several edges lie.
     pub const SEARCH: u32 = 1 << 31;
+
+    /// The bin of `r2` by search (the number of bins for none); `None` where f32 does not decide it.
+    pub fn bin(&self, r2: f32) -> Option<u32> {
+        // The slot is the number of edges at or below, if no edge is in doubt.
+        let slot = self.high.partition_point(|&high| high < r2);
+        let decided = self.low.get(slot).is_none_or(|&low| r2 < low);
+        decided.then(|| slot.wrapping_sub(1).min(self.low.len() - 1) as u32)
+    }
 }
 
 /// Relative error bound of `t = sqrt(r2) * bins_per_step`, with a factor of two in hand (kernels differ in sqrt).
@@ -61,8 +69,7 @@ impl BinFilter {
     /// The filter for these bins in this domain.
     pub fn new(bins: &RadialBins, domain: &Domain) -> Self {
         let steps_per_length = 2f64.powi(32) / domain.length_unit();
-        let per_axis = if domain.periods().iter().all(|&p| p == 0) { 1.01 } else { 1.51 };
-        let displaced = (domain.dim() as f64).sqrt() * per_axis;
+        let displaced = Self::displaced(domain);
         let bins_per_step = bins.len() as f64 / (bins.r_max() * steps_per_length);
         let widest_guard = f64::from(RELATIVE_GUARD) * bins.len() as f64 + bins_per_step * displaced;
         // Beyond half a bin the nearest edge is not the only one in doubt; the table knows what to do then.
@@ -108,6 +115,12 @@ impl BinFilter {
             })
             .collect();
         Self::Table(BinTable { first_cell, cells, low, high })
+    }
+
+    /// How far rounding coordinates to 32 bits moves a distance at most, in steps of `length_unit / 2^32`.
+    pub fn displaced(domain: &Domain) -> f64 {
+        let per_axis = if domain.periods().iter().all(|&p| p == 0) { 1.01 } else { 1.51 };
+        (domain.dim() as f64).sqrt() * per_axis
     }
 
     /// What the filter says about `r2`: `Ok(slot)`, or `Err(Some(e))` to be settled at edge `e`, or `Err(None)` to be
@@ -179,6 +192,10 @@ mod tests {
             for r in probes.chain([0.0, 1.0, 2.0, 1e3, 2f64.powi(32)]) {
                 let r2 = (r * r) as f32;
                 let true_slot = bins.edges().partition_point(|&e| e * steps <= r);
+                if let BinFilter::Table(table) = &filter {
+                    let bin = table.bin(r2).map(|bin| bin as usize);
+                    assert!(bin.is_none_or(|bin| bin == true_slot.wrapping_sub(1).min(bins.len())), "{r} in {bins:?}");
+                }
                 match filter.slot(r2, bins.len()) {
                     Ok(slot) => {
                         settled += 1;

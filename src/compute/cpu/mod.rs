@@ -2,10 +2,13 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+mod fixed_point;
+mod histogram_rows;
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
-mod linear_rows;
+mod linear_bins;
+mod log_bins;
 #[doc(hidden)]
 pub mod nufft;
 mod pair_counts;
@@ -15,6 +18,7 @@ mod phase_tables;
 mod product;
 mod r2_rows;
 mod simd;
+mod table_bins;
 mod tapered_power;
 mod wave_covariance;
 mod wave_power;

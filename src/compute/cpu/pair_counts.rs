@@ -2,7 +2,7 @@
 //! for f32 to tell are settled by the definition in integers. Formula: see `reference`.
 //!
 //! 1. Coordinates are rounded to 32 bits. On a torus a wrapping difference read as i32 is then the minimum image.
-//! 2. `linear_rows` and `r2_rows` write the bin of each pair of one row into a short buffer, and list the undecided pairs.
+//! 2. `histogram_rows` and `r2_rows` write the bin of each pair of one row into a short buffer, and list the undecided pairs.
 //! 3. The buffer is scattered into a histogram (of several copies, so that equal distances in a row do not wait for each
 //!    other). Computing and scattering in turns keeps both loops free of branches.
 //!
@@ -15,17 +15,20 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Cpu;
-use super::linear_rows::{Linear, Stream, linear_histogram};
+use super::histogram_rows::{Bins, Stream, count_rows, stride_of};
+use super::linear_bins::LinearBins;
+use super::log_bins::LogBins;
 use super::pair_rows::{COLUMNS, LANES, Rows, Undecided};
 use super::pair_weights::{PairWeights, PointData, WeightSums};
 use super::r2_rows::by_r2;
 use super::simd::SimdLevel;
+use super::table_bins::TableBins;
 use crate::accumulate::{PairCounts, PairHistogram};
 use crate::compute::Compute;
 use crate::compute::cells::{Neighbourhood, SortedPoints};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{BinFilter, BinTable, PairPlan, PairSearch};
+use crate::plan::{BinFilter, PairPlan, PairSearch};
 use crate::points::geometry;
 use crate::points::{Ensemble, round32};
 
@@ -37,7 +40,6 @@ const SHARED_BINS: usize = 1 << 15;
 
 /// Histograms that take turns where bins come from a table, unless they are too large for the first-level cache.
 const SCATTER_COPIES: usize = 4;
-const FEW_BINS: usize = 1024;
 
 pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, control: &Control) -> Result<PairCounts> {
     let realizations = ensemble.realizations();
@@ -165,26 +167,40 @@ impl<'a> Set<'a> {
     }
 }
 
-/// `BinFilter` as the kernels use it. The answer is the index of a bin, or anything from `bins` on for none of them.
+/// The bins of a plan as the kernels find them.
 enum Filter<'a> {
-    Linear(Box<Linear>),
-    Table(&'a BinTable),
+    Linear(Box<LinearBins>),
+    Log(Box<LogBins<'a>>),
+    Table(TableBins<'a>),
     /// Bins that f32 cannot tell apart: all pairs with `r2` up to this are undecided.
     Near(f32),
 }
 
 impl<'a> Filter<'a> {
     fn new(plan: &'a PairPlan) -> Self {
-        match &plan.filter {
-            BinFilter::Table(table) => Self::Table(table),
-            &BinFilter::Linear { bins_per_step, absolute_guard, .. } => {
-                if let Some(linear) = Linear::new(plan.bins.len(), bins_per_step, absolute_guard) {
-                    return Self::Linear(Box::new(linear));
-                }
-                let steps = plan.bins.r_max() / plan.domain.length_unit() * 2f64.powi(32);
-                // Rounding coordinates moves a difference by at most 1.5 steps per axis.
-                Self::Near(((steps + 3.0).powi(2) * 1.000_01) as f32)
+        let edges = plan.bins.edges();
+        let steps = 2f64.powi(32) / plan.domain.length_unit();
+        let displaced = BinFilter::displaced(&plan.domain);
+        let (bins, first, last) = (plan.bins.len(), edges[0], plan.bins.r_max());
+        let width = (last - first) / bins as f64;
+        // Far inside what the guards are for.
+        let all = |edge: &dyn Fn(f64) -> f64| {
+            edges.iter().enumerate().all(|(k, e)| (e - edge(k as f64)).abs() <= 1e-12 * last.min(e + width))
+        };
+        if all(&|k| first + k * width) {
+            let per_step = 1.0 / (width * steps);
+            if let Some(linear) = LinearBins::new(bins, per_step, first / width, displaced * per_step) {
+                return Self::Linear(Box::new(linear));
             }
+        }
+        match &plan.filter {
+            BinFilter::Table(table) => {
+                let log = first > 0.0 && all(&|k| first * (last / first).powf(k / bins as f64));
+                let log = log.then(|| LogBins::new(table, first * steps, last * steps, displaced)).flatten();
+                log.map_or_else(|| Self::Table(TableBins::new(table)), |log| Self::Log(Box::new(log)))
+            }
+            // Rounding coordinates moves a difference by at most 1.5 steps per axis.
+            BinFilter::Linear { .. } => Self::Near(((last * steps + 3.0).powi(2) * 1.000_01) as f32),
         }
     }
 }
@@ -237,8 +253,10 @@ impl Tally {
     fn new(plan: &PairPlan, filter: &Filter<'_>) -> Self {
         let bins = plan.bins.len();
         let (copies, stride) = match filter {
-            Filter::Linear(linear) => (linear.copies, linear.stride),
-            _ => (if bins <= FEW_BINS { SCATTER_COPIES } else { 1 }, bins + 1),
+            Filter::Linear(linear) => (linear.copies(), linear.stride()),
+            Filter::Log(log) => (log.copies(), log.stride()),
+            Filter::Table(table) => (table.copies(), table.stride()),
+            Filter::Near(_) => (1, stride_of(bins)),
         };
         Self {
             bins,
@@ -327,12 +345,11 @@ impl Tally {
                 }
             };
             match filter {
-                Filter::Linear(linear) => by_r2(level, &job, |r2| linear.bin(r2), None, bins as u32, sink, undecided),
-                Filter::Table(table) => {
-                    by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided)
-                }
+                Filter::Linear(linear) => by_r2(level, &job, |r2| linear.bin(r2), bins as u32, sink, undecided),
+                Filter::Log(log) => by_r2(level, &job, |r2| log.bin(r2), bins as u32, sink, undecided),
+                Filter::Table(table) => by_r2(level, &job, |r2| table.bin(r2), bins as u32, sink, undecided),
                 Filter::Near(beyond) => {
-                    by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided)
+                    by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
                 }
             }
             for pair in undecided.drain(..) {
@@ -344,27 +361,21 @@ impl Tally {
             }
             return;
         }
-        match filter {
-            Filter::Linear(linear) => {
-                if linear_histogram(level, &job, linear, stream, short, undecided) {
-                    for pair in undecided.iter_mut() {
-                        // Counting may be yet to come; the sum is right all the same.
-                        let count = &mut short[pair.place as usize];
-                        *count = count.wrapping_sub(1);
-                        pair.place %= *stride as u32;
-                    }
-                } else {
-                    let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                    by_r2(level, &job, |r2| linear.bin(r2), None, bins as u32, sink, undecided);
+        let counted = match filter {
+            Filter::Linear(linear) => count_rows(level, &job, &**linear, stream, short, undecided),
+            Filter::Log(log) => count_rows(level, &job, &**log, stream, short, undecided),
+            Filter::Table(table) => count_rows(level, &job, table, stream, short, undecided),
+            Filter::Near(_) => false,
+        };
+        if !counted {
+            let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
+            match filter {
+                Filter::Linear(linear) => by_r2(level, &job, |r2| linear.bin(r2), bins as u32, sink, undecided),
+                Filter::Log(log) => by_r2(level, &job, |r2| log.bin(r2), bins as u32, sink, undecided),
+                Filter::Table(table) => by_r2(level, &job, |r2| table.bin(r2), bins as u32, sink, undecided),
+                Filter::Near(beyond) => {
+                    by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
                 }
-            }
-            Filter::Table(table) => {
-                let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                by_r2(level, &job, |r2| table_bin(table, bins, r2), Some(table), bins as u32, sink, undecided);
-            }
-            Filter::Near(beyond) => {
-                let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-                by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), None, bins as u32, sink, undecided);
             }
         }
         for pair in undecided.drain(..) {
@@ -418,19 +429,6 @@ fn scatter(histograms: &mut [u32], stride: usize, slots: &[u32]) {
         }
     }
     rest.iter().for_each(|&slot| increment(histograms, slot));
-}
-
-/// The bin of a pair by `BinFilter::Table` (`bins` for none), and whether it is undecided.
-#[inline(always)]
-fn table_bin(table: &BinTable, bins: usize, r2: f32) -> (u32, bool) {
-    let cell = (r2.to_bits() >> BinTable::CELL_SHIFT).saturating_sub(table.first_cell) as usize;
-    let edge = table.cells[cell.min(table.cells.len() - 1)];
-    let search = edge == BinTable::SEARCH;
-    let e = if search { 0 } else { edge };
-    let (low, high) = (table.low[e as usize], table.high[e as usize]);
-    // Slot e + above is bin e + above - 1; below the first bin wraps to the far end.
-    let bin = (e + u32::from(r2 > high)).wrapping_sub(1);
-    (bin.min(bins as u32), search | ((r2 >= low) & (r2 <= high)))
 }
 
 /// No bin beyond, undecided up to there.

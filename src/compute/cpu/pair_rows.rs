@@ -1,4 +1,4 @@
-//! Rows of pairs: one point against a piece of the points that follow, in coordinates of 32 bits. `linear_rows` and `r2_rows`
+//! Rows of pairs: one point against a piece of the points that follow, in coordinates of 32 bits. `histogram_rows` and `r2_rows`
 //! are the inner loops over them, once per instruction set.
 
 use std::ops::Range;
@@ -32,8 +32,7 @@ impl Rows<'_> {
     }
 }
 
-/// A pair f32 cannot decide (a row and a column), and the place in the histogram where it was counted or, if it was not
-/// (`by_r2`), a bin at the edge in question.
+/// A pair f32 cannot decide (a row and a column), and a bin at the edge in question.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Undecided {
     pub(super) i: u32,
@@ -41,16 +40,33 @@ pub(super) struct Undecided {
     pub(super) place: u32,
 }
 
+/// Squared distance in f32, in squared steps of 2^-32.
+#[inline(always)]
+pub(super) fn squared<const D: usize, const UNEQUAL: bool>(a: [u32; D], b: [u32; D], periods: [u32; 3]) -> f32 {
+    let mut r2 = 0.0;
+    for k in 0..D {
+        let d = if UNEQUAL {
+            let apart = a[k].abs_diff(b[k]);
+            apart.min(periods[k].wrapping_sub(apart)) as i32
+        } else {
+            a[k].wrapping_sub(b[k]) as i32
+        };
+        let d = d as f32;
+        r2 += d * d;
+    }
+    r2
+}
+
 /// Runs `$f::<D, UNEQUAL>` for the number of axes at hand.
 macro_rules! by_shape {
-    ($job:expr, $f:ident $([$rule:tt])?, $($arg:expr),*) => {
+    ($job:expr, $f:ident $([$($rule:tt),*])?, $($arg:expr),*) => {
         match ($job.own.len(), $job.periods == [0; 3]) {
-            (1, true) => $f::<1, false $(, $rule)?>($($arg),*),
-            (2, true) => $f::<2, false $(, $rule)?>($($arg),*),
-            (_, true) => $f::<3, false $(, $rule)?>($($arg),*),
-            (1, false) => $f::<1, true $(, $rule)?>($($arg),*),
-            (2, false) => $f::<2, true $(, $rule)?>($($arg),*),
-            (_, false) => $f::<3, true $(, $rule)?>($($arg),*),
+            (1, true) => $f::<1, false $($(, $rule)*)?>($($arg),*),
+            (2, true) => $f::<2, false $($(, $rule)*)?>($($arg),*),
+            (_, true) => $f::<3, false $($(, $rule)*)?>($($arg),*),
+            (1, false) => $f::<1, true $($(, $rule)*)?>($($arg),*),
+            (2, false) => $f::<2, true $($(, $rule)*)?>($($arg),*),
+            (_, false) => $f::<3, true $($(, $rule)*)?>($($arg),*),
         }
     };
 }
