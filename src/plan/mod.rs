@@ -89,9 +89,13 @@ impl Batch {
 impl std::fmt::Display for Batch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-        let (each, budget) = (mib(self.bytes_each), mib(MEMORY_BUDGET));
-        let over = self.realizations * self.bytes_each > MEMORY_BUDGET;
-        let kept = if over { "the least there is, above the budget of" } else { "within" };
-        write!(f, "batches of {} realizations of {each:.3} MiB, {kept} {budget} MiB", self.realizations)
+        let together = self.realizations * self.bytes_each;
+        let (each, all, budget) = (mib(self.bytes_each), mib(together), mib(MEMORY_BUDGET));
+        let kept = if together > MEMORY_BUDGET { "the least there is, above the" } else { "of the" };
+        let n = self.realizations;
+        write!(
+            f,
+            "batches of {n} realizations of {each:.3} MiB, {all:.3} MiB in all, {kept} {budget} MiB that a batch may take beside the memory of transforms"
+        )
     }
 }

@@ -18,6 +18,8 @@ use crate::points::Domain;
 pub(crate) struct Lists {
     edges: OnceLock<Vec<f64>>,
     frequencies: OnceLock<WaveList>,
+    /// What was read of the frequencies, in words.
+    said: OnceLock<String>,
 }
 
 impl Lists {
@@ -45,10 +47,16 @@ impl Lists {
         match self.frequencies.get() {
             Some(list) => Ok(list),
             None => {
-                let list = read_frequencies(path, domain)?;
+                let (list, said) = read_frequencies(path, domain)?;
+                _ = self.said.set(said);
                 Ok(self.frequencies.get_or_init(|| list))
             }
         }
+    }
+
+    /// What was read of files of frequencies, in a line.
+    pub(crate) fn said(&self) -> Option<&str> {
+        self.said.get().map(String::as_str)
     }
 
     /// What was read.

@@ -126,7 +126,7 @@ pub(super) fn number(field: &[u8]) -> Option<f64> {
 }
 
 /// `-0,25`: digits, a comma, digits and perhaps an exponent.
-pub(super) fn is_decimal_comma(field: &[u8]) -> bool {
+pub(crate) fn is_decimal_comma(field: &[u8]) -> bool {
     let field = field.strip_prefix(b"-").or(field.strip_prefix(b"+")).unwrap_or(field);
     let mut halves = field.splitn(2, |&b| b == b',');
     let (Some(whole), Some(rest)) = (halves.next(), halves.next()) else { return false };
@@ -137,7 +137,7 @@ pub(super) fn is_decimal_comma(field: &[u8]) -> bool {
 }
 
 /// Whether commas stand inside numbers that something else separates, as in `0,5;0,25` and `0,5 0,25`.
-pub(super) fn has_decimal_comma(content: &[u8]) -> bool {
+pub(crate) fn has_decimal_comma(content: &[u8]) -> bool {
     if !content.contains(&b',') {
         return false;
     }

@@ -22,6 +22,7 @@ use super::{Apart, Columns, MarkedPoints, Reading, Rows, plural};
 use crate::error::{Error, Result};
 use headers::{Layout, is_degrees, named_columns};
 pub(super) use lines::Lines;
+pub(crate) use lines::{has_decimal_comma, is_decimal_comma};
 use lines::{is_blank, separator_line, shown, split_comment, split_decimals, split_loosely, split_strictly, unquoted};
 use rows::MOST_FRAMES;
 
@@ -98,8 +99,8 @@ struct Parser<'a> {
     marks: &'a Columns,
     sets: Vec<MarkedPoints>,
     layout: Option<Layout>,
-    /// The last comment line, which may name the columns (`# id x y`).
-    comment: Vec<u8>,
+    /// The comment lines above the first point, which may name the columns (`# id x y`).
+    comments: Vec<Vec<u8>>,
     fields: Vec<Range<usize>>,
     /// `sep=;`
     separator: Option<u8>,
@@ -140,7 +141,7 @@ impl<'a> Parser<'a> {
             marks,
             sets: Vec::new(),
             layout: None,
-            comment: Vec::new(),
+            comments: Vec::new(),
             fields: Vec::new(),
             separator: None,
             decimals: [None; 2],
@@ -223,7 +224,9 @@ impl<'a> Parser<'a> {
         }
         // Points in 1-D have no comment after the first; a count may.
         self.announced = self.announced.or(self.undecided.take());
-        self.comment = comment.to_vec();
+        if self.layout.is_none() {
+            self.comments.push(comment.to_vec());
+        }
         Ok(())
     }
 
@@ -311,7 +314,7 @@ impl<'a> Parser<'a> {
             && let Some(found) = super::suspicious(&self.sets, |k| {
                 let column = layout.columns[k];
                 let named_axis = layout.names.get(column).is_some_and(|n| {
-                    named_columns(&[without_unit(n.as_bytes())]).is_ok_and(|c| !c.is_empty())
+                    named_columns(&[without_unit(n.as_bytes())], self.marks.rows).is_ok_and(|c| !c.is_empty())
                         || ["y", "z"].iter().any(|a| n.eq_ignore_ascii_case(a))
                 });
                 (!named_axis).then(|| layout.name(column))

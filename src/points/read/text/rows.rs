@@ -1,5 +1,6 @@
 //! What a row of points must be, and where a realization ends.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::super::columns::{Separator, check_weight};
@@ -15,6 +16,43 @@ use crate::points::RawPoints;
 
 /// Of a column that could tell realizations apart so many values are looked at.
 pub(super) const MOST_FRAMES: usize = 1 << 16;
+
+/// The names of the rows of one realization.
+pub(super) struct RowNames {
+    /// How many there were, as long as they count 1, 2, 3...
+    counted: u64,
+    /// All of them, once they do not.
+    seen: HashSet<Vec<u8>>,
+    /// Whether every row may be numbers with decimal commas: digits between commas.
+    may_be_commas: bool,
+}
+
+impl Default for RowNames {
+    fn default() -> Self {
+        Self { counted: 0, seen: HashSet::new(), may_be_commas: true }
+    }
+}
+
+impl RowNames {
+    /// Whether a field can name a row: text, or a whole number.
+    fn could_be(field: &[u8]) -> bool {
+        let name = unquoted(field);
+        !name.is_empty() && (number(name).is_none() || name.iter().all(u8::is_ascii_digit)) && !is_decimal_comma(name)
+    }
+
+    /// Whether no row had this name before.
+    fn is_new(&mut self, field: &[u8]) -> bool {
+        let name = unquoted(field);
+        if self.seen.is_empty() {
+            if name == (self.counted + 1).to_string().as_bytes() {
+                self.counted += 1;
+                return true;
+            }
+            self.seen.extend((1..=self.counted).map(|k| k.to_string().into_bytes()));
+        }
+        self.seen.insert(name.to_vec())
+    }
+}
 
 impl Parser<'_> {
     /// Whether a comment is a row like those that are no comments.
@@ -65,11 +103,12 @@ impl Parser<'_> {
         else {
             return Ok(());
         };
-        let first = &content[self.fields.first().cloned().unwrap_or_default()];
-        let text = number(unquoted(first)).is_none();
-        let whole = unquoted(first).iter().all(u8::is_ascii_digit);
-        if self.fields.len() != layout.names.len() + 1 || layout.width != layout.names.len() || !(text || whole) {
+        if self.fields.len() != layout.names.len() + 1 || layout.width != layout.names.len() {
             return Ok(());
+        }
+        let first = &content[self.fields.first().cloned().unwrap_or_default()];
+        if !RowNames::could_be(first) {
+            return self.fail(line, self.unnamed_column(&format!("{} is not the name of a row", shown(first))));
         }
         let names: Vec<Vec<u8>> =
             [Vec::new()].into_iter().chain(layout.names.iter().map(|n| n.clone().into())).collect();
@@ -86,8 +125,36 @@ impl Parser<'_> {
             };
             layout.marks = marks;
             layout.frames = layout.frames.take().map(|(k, values)| (k + 1, values));
+            layout.row_names = Some(RowNames::default());
         }
         Ok(())
+    }
+
+    /// Looks at the name of a row: each row has another.
+    fn row_name(&mut self, content: &[u8], line: u64) -> Result<()> {
+        let layout = self.layout.as_mut().filter(|layout| layout.width == self.fields.len());
+        let Some(names) = layout.and_then(|l| l.row_names.as_mut()) else { return Ok(()) };
+        let field = &content[self.fields.first().cloned().unwrap_or_default()];
+        let digits = |field: &[u8]| field.iter().all(|b| b.is_ascii_digit() || matches!(b, b'-' | b'+'));
+        names.may_be_commas &= content.contains(&b',') && self.fields.iter().all(|f| digits(&content[f.clone()]));
+        let why = if !RowNames::could_be(field) {
+            "is not the name of a row"
+        } else if !names.is_new(field) {
+            "stands first in two rows, so it names neither"
+        } else {
+            return Ok(());
+        };
+        self.fail(line, self.unnamed_column(&format!("{} {why}", shown(field))))
+    }
+
+    /// What is said of rows that have a field more than the header has names, and why that is no name of a row.
+    fn unnamed_column(&self, why: &str) -> String {
+        let names = self.layout.as_ref().map_or(0, |l| l.names.len());
+        format!(
+            "{}, the header names {names}, and {why}; decimal commas? write points, or semicolons between numbers; a class or \
+             a frame needs a name in the header",
+            plural(names as u64 + 1, "field")
+        )
     }
 
     pub(super) fn point(&mut self, line: u64, content: &[u8]) -> Result<()> {
@@ -112,6 +179,7 @@ impl Parser<'_> {
                 self.announced = Some(first);
             }
         }
+        self.row_name(content, line)?;
         let Some(layout) = &self.layout else { return Ok(()) };
         if self.fields.len() != layout.width {
             if has_decimal_comma(content) {
@@ -233,6 +301,14 @@ impl Parser<'_> {
             return self.fail(announced.line, reason);
         }
         self.header_seen = false;
+        if let Some(names) = self.layout.as_mut().and_then(|l| l.row_names.as_mut()) {
+            let may_be_commas = found > 0 && names.may_be_commas;
+            *names = RowNames::default();
+            if may_be_commas {
+                let reason = self.unnamed_column("no number has a decimal point");
+                return self.fail(self.lines[0], reason);
+            }
+        }
         if found > 0 {
             self.decide_numbering()?;
             let dim = self.layout.as_ref().map_or(1, |l| l.columns.len());
@@ -263,7 +339,7 @@ impl Parser<'_> {
             return Ok(());
         }
         let header = layout.width > 1 && 10 * whole <= others.len();
-        if self.marks.rows == Rows::WaveVectors {
+        if self.marks.rows != Rows::Points {
             let reason = format!(
                 "line {line}, {said}, may number the columns or be a wave vector; delete it, or write 0.0 for 0"
             );
