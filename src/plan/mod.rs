@@ -66,20 +66,22 @@ pub const MEMORY_BUDGET: u64 = 1 << 30;
 pub struct Batch {
     /// A multiple of `LEAF`, or all there are.
     pub realizations: u64,
-    /// Bytes that each of them takes: points and raw sums.
+    /// Bytes that each of them takes: points, the coordinates they were read from, and raw sums.
     pub bytes_each: u64,
 }
 
 impl Batch {
     /// Of what takes no memory.
     pub(crate) fn all(shape: EnsembleShape) -> Self {
-        Self::new(shape.realizations, 0)
+        Self { realizations: shape.realizations.clamp(1, 4096), bytes_each: 0 }
     }
 
     /// Whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most 4096 realizations, so
     /// that progress and cancellation stay lively.
-    fn new(realizations: u64, bytes_each: u64) -> Self {
-        let leaf = LEAF;
+    fn new(shape: EnsembleShape, bytes: u64) -> Self {
+        // Coordinates as a file has them, and as they are kept along three axes.
+        let bytes_each = bytes + shape.max_points * 48;
+        let (leaf, realizations) = (LEAF, shape.realizations);
         let fitting = (MEMORY_BUDGET / bytes_each.max(1)).min(4096) / leaf * leaf;
         let realizations = fitting.max(leaf).min(realizations.max(1));
         Self { realizations, bytes_each }

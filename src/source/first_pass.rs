@@ -167,7 +167,7 @@ impl<'a> FirstPass<'a> {
     pub(super) fn check(&self, sets: &[MarkedPoints]) -> Result<()> {
         let domain = self.domain()?;
         for set in sets {
-            Ensemble::from_raw(std::slice::from_ref(&set.points), &domain, self.request.wrap, 0)?;
+            Ensemble::check(&set.points, &domain, self.request.wrap)?;
         }
         Ok(())
     }

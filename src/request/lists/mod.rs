@@ -24,10 +24,11 @@ pub(crate) struct Lists {
 
 impl Lists {
     /// Those that were read before.
-    pub(crate) fn given(edges: Option<Vec<f64>>, frequencies: Option<WaveList>) -> Self {
+    pub(crate) fn given(edges: Option<Vec<f64>>, frequencies: Option<WaveList>, said: Option<String>) -> Self {
         let cell = Self::default();
         edges.into_iter().for_each(|edges| _ = cell.edges.set(edges));
         frequencies.into_iter().for_each(|list| _ = cell.frequencies.set(list));
+        said.into_iter().for_each(|said| _ = cell.said.set(said));
         cell
     }
 
