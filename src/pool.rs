@@ -39,8 +39,13 @@ impl Pool {
             Ok(pool) => Ok(Self(Some(Arc::new(pool)))),
             Err(error) if unsupported(&error) => Ok(Self(None)),
             Err(error) => {
-                let reason = format!("cannot start threads: {error}");
-                Err(Error::setting(Setting::Threads, threads.unwrap_or(0), reason))
+                let reason = format!("cannot start them: {error}; expected fewer, or more memory for their stacks");
+                match threads {
+                    Some(threads) => Err(Error::setting(Setting::Threads, threads, reason)),
+                    None => {
+                        Err(Error::input("threads of this machine", format!("{reason} (`threads` sets the number)")))
+                    }
+                }
             }
         }
     }

@@ -78,6 +78,11 @@ impl Plan {
         Ok(Self { parts, lists, simulations, batch, shape })
     }
 
+    /// What was read of the files of numbers that the request names, in a line; none if they were given otherwise.
+    pub fn lists_read(&self) -> Option<&str> {
+        self.lists.said()
+    }
+
     /// Seconds of one thread that a part takes for all realizations.
     pub(super) fn seconds(&self, part: &dyn Part) -> f64 {
         part.seconds(self.shape.mean_points) * self.shape.realizations as f64
@@ -148,6 +153,9 @@ pub(super) fn check_convention(request: &Request, domain: &Domain, shape: Ensemb
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.lists_read() {
+            writeln!(f, "{line}")?;
+        }
         for part in self.parts.iter() {
             write!(f, "{part}")?;
         }

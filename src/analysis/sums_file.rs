@@ -134,7 +134,9 @@ impl Measurement {
             out.f64s("rests", domain.rests().iter().copied());
         }
         let (edges, frequencies) = self.plan.lists.read();
-        out.value("lists", json!({ "edges": edges.is_some(), "frequencies": frequencies.map(|f| f.mirrored) }));
+        let mirrored = frequencies.map(|f| f.mirrored);
+        let read = self.plan.lists_read();
+        out.value("lists", json!({ "edges": edges.is_some(), "frequencies": mirrored, "read": read }));
         out.f64s("edges", edges.into_iter().flatten().copied());
         out.f64s("frequencies", frequencies.into_iter().flat_map(|f| f.vectors.as_flattened()).copied());
         out.u64s("sizes", self.sizes.iter().flat_map(|(&k, &n)| [k, n]));
@@ -266,7 +268,8 @@ fn read_lists(from: &Decoder<'_>, domain: &Domain) -> Result<Lists> {
         let vectors = from.f64s("frequencies")?.as_chunks::<3>().0.to_vec();
         Ok(WaveList { dim: domain.dim(), vectors, mirrored })
     };
-    Ok(Lists::given(edges, mirrored.map(list).transpose()?))
+    let said = given["read"].as_str().map(String::from);
+    Ok(Lists::given(edges, mirrored.map(list).transpose()?, said))
 }
 
 /// The integers and marks of one realization.

@@ -52,6 +52,9 @@ impl Analyze {
             print(&format!("{}\n", source.first_line()))?;
         }
         let plan = Plan::of(&self.request, &source)?;
+        if let Some(line) = plan.lists_read().filter(|_| !self.quiet && !self.explain) {
+            print(&format!("{line}\n"))?;
+        }
         let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
             tell(&format!("note: {note}"));

@@ -50,7 +50,7 @@ impl CovariancePlan {
             return Err(Error::setting(Setting::CovarianceFrequency, largest, reason));
         }
         let grid = WaveGrid::new(&vec![largest; dim])?;
-        let batch = Batch::new(shape.realizations, shape.max_points * 24);
+        let batch = Batch::new(shape, shape.max_points * 24);
         Ok(Self { grid, shape, batch })
     }
 

@@ -275,7 +275,7 @@ impl LagPlan {
         let sectors = sectors(domain, &grid, lag_rings, shape)?;
         let filter = LagFilter::new(&grid, domain);
         // Points (three u64 axes twice) and a histogram, on the device and here.
-        let batch = Batch::new(shape.realizations, shape.max_points * 48 + grid.cells() as u64 * 12);
+        let batch = Batch::new(shape, shape.max_points * 48 + grid.cells() as u64 * 12);
         Ok(Self { domain: domain.clone(), grid, filter, correction, sectors, shape, batch })
     }
 

@@ -66,20 +66,22 @@ pub const MEMORY_BUDGET: u64 = 1 << 30;
 pub struct Batch {
     /// A multiple of `LEAF`, or all there are.
     pub realizations: u64,
-    /// Bytes that each of them takes: points and raw sums.
+    /// Bytes that each of them takes: points, the coordinates they were read from, and raw sums.
     pub bytes_each: u64,
 }
 
 impl Batch {
     /// Of what takes no memory.
     pub(crate) fn all(shape: EnsembleShape) -> Self {
-        Self::new(shape.realizations, 0)
+        Self { realizations: shape.realizations.clamp(1, 4096), bytes_each: 0 }
     }
 
     /// Whole leaves of the ordered sum, as many as the budget allows, at least one leaf and at most 4096 realizations, so
     /// that progress and cancellation stay lively.
-    fn new(realizations: u64, bytes_each: u64) -> Self {
-        let leaf = LEAF;
+    fn new(shape: EnsembleShape, bytes: u64) -> Self {
+        // Coordinates as a file has them, and as they are kept along three axes.
+        let bytes_each = bytes + shape.max_points * 48;
+        let (leaf, realizations) = (LEAF, shape.realizations);
         let fitting = (MEMORY_BUDGET / bytes_each.max(1)).min(4096) / leaf * leaf;
         let realizations = fitting.max(leaf).min(realizations.max(1));
         Self { realizations, bytes_each }
@@ -89,9 +91,13 @@ impl Batch {
 impl std::fmt::Display for Batch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-        let (each, budget) = (mib(self.bytes_each), mib(MEMORY_BUDGET));
-        let over = self.realizations * self.bytes_each > MEMORY_BUDGET;
-        let kept = if over { "the least there is, above the budget of" } else { "within" };
-        write!(f, "batches of {} realizations of {each:.3} MiB, {kept} {budget} MiB", self.realizations)
+        let together = self.realizations * self.bytes_each;
+        let (each, all, budget) = (mib(self.bytes_each), mib(together), mib(MEMORY_BUDGET));
+        let kept = if together > MEMORY_BUDGET { "the least there is, above the" } else { "of the" };
+        let n = self.realizations;
+        write!(
+            f,
+            "batches of {n} realizations of {each:.3} MiB, {all:.3} MiB in all, {kept} {budget} MiB that a batch may take beside the memory of transforms"
+        )
     }
 }

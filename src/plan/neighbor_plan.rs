@@ -42,7 +42,7 @@ impl NeighborPlan {
             }
         };
         // Three u64 axes, kept and sorted into a tree.
-        let batch = Batch::new(shape.realizations, shape.max_points * 72);
+        let batch = Batch::new(shape, shape.max_points * 72);
         Ok(Self {
             domain: domain.clone(),
             r: bins.edges().to_vec(),

@@ -99,7 +99,7 @@ impl PairPlan {
             _ => 56,
         };
         let bytes = shape.max_points * 72 + bins.len() as u64 * per_bin;
-        let batch = Batch::new(shape.realizations, bytes);
+        let batch = Batch::new(shape, bytes);
         let beyond = thresholds[bins.len()];
         let device = PairDevice::CPU;
         let search = PairSearch::choose(domain, beyond, shape.mean_points, &filter, &device.costs);

@@ -62,7 +62,7 @@ impl WavePlan {
         }
         let rings = Rings::new(&waves, domain);
         let bytes = shape.max_points * 24 + waves.len() as u64 * 8;
-        let batch = Batch::new(shape.realizations, bytes);
+        let batch = Batch::new(shape, bytes);
         Ok(Self {
             domain: domain.clone(),
             waves,

@@ -1,5 +1,7 @@
 //! Realizations of a pattern, checked once.
 
+use std::borrow::Borrow;
+
 use rayon::prelude::*;
 
 use super::fixed_point::{difference, scale_to_period, steps};
@@ -46,20 +48,45 @@ impl Ensemble {
     /// # Errors
     /// The first point that is outside or not finite, by its place; sets of another dimension.
     pub fn from_raw(raw: &[RawPoints], domain: &Domain, wrap: bool, first_index: u64) -> Result<Self> {
-        let dim = domain.dim();
+        Self::from_sets(raw.iter(), raw.iter().map(RawPoints::len).sum(), domain, wrap, first_index)
+    }
+
+    /// The same of sets that are not needed any more: each goes as soon as it is converted.
+    pub(crate) fn from_owned(raw: Vec<RawPoints>, domain: &Domain, wrap: bool, first_index: u64) -> Result<Self> {
         let total = raw.iter().map(RawPoints::len).sum();
-        let mut offsets = Vec::with_capacity(raw.len() + 1);
-        offsets.push(0);
-        let mut fractions = vec![Vec::with_capacity(total); dim];
-        let mut coordinates = vec![Vec::with_capacity(total); dim];
+        Self::from_sets(raw.into_iter(), total, domain, wrap, first_index)
+    }
+
+    /// Whether a set could be converted.
+    pub(crate) fn check(set: &RawPoints, domain: &Domain, wrap: bool) -> Result<()> {
+        check_dim(set, domain)?;
+        for (j, point) in set.coordinates.chunks_exact(set.dim).enumerate() {
+            for (k, &x) in point.iter().enumerate() {
+                offset(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn from_sets(
+        raw: impl Iterator<Item = impl Borrow<RawPoints>>,
+        total: usize,
+        domain: &Domain,
+        wrap: bool,
+        first_index: u64,
+    ) -> Result<Self> {
+        let dim = domain.dim();
+        let mut offsets = vec![0];
+        // A clone would not have the capacity.
+        let mut fractions: Vec<Vec<u64>> = (0..dim).map(|_| Vec::with_capacity(total)).collect();
+        let mut coordinates: Vec<Vec<f64>> = (0..dim).map(|_| Vec::with_capacity(total)).collect();
         let (unit, periods) = (domain.length_unit(), domain.periods());
         let own_lengths = !(domain.is_torus() && domain.is_cubic());
-        let mut lengths = vec![Vec::with_capacity(if own_lengths { total } else { 0 }); dim];
+        let mut lengths: Vec<Vec<u64>> =
+            (0..dim).map(|_| Vec::with_capacity(if own_lengths { total } else { 0 })).collect();
         for set in raw {
-            if set.dim != dim {
-                let reason = format!("points have {} coordinates, the domain has {dim} axes", set.dim);
-                return Err(Error::input(&set.source, reason));
-            }
+            let set: &RawPoints = set.borrow();
+            check_dim(set, domain)?;
             for (j, point) in set.coordinates.chunks_exact(dim).enumerate() {
                 for (k, &x) in point.iter().enumerate() {
                     let offset = offset(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
@@ -287,6 +314,14 @@ impl Ensemble {
         };
         (0..self.realizations()).into_par_iter().map(in_realization).sum()
     }
+}
+
+fn check_dim(set: &RawPoints, domain: &Domain) -> Result<()> {
+    if set.dim == domain.dim() {
+        return Ok(());
+    }
+    let reason = format!("points have {} coordinates, the domain has {} axes", set.dim, domain.dim());
+    Err(Error::input(&set.source, reason))
 }
 
 /// Weights over the power of two at or above the largest magnitude.

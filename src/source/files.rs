@@ -81,7 +81,7 @@ impl Marking {
             raw.push(set.points);
             weights.extend(set.weights);
         }
-        let mut ensemble = Ensemble::from_raw(&raw, domain, self.wrap, first)?;
+        let mut ensemble = Ensemble::from_owned(raw, domain, self.wrap, first)?;
         if let Some(largest) = self.largest {
             ensemble = ensemble.with_weights_of(&weights, largest);
         }

@@ -1,6 +1,7 @@
 //! A look at all points, once, before any is used.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use serde_json::json;
@@ -14,7 +15,6 @@ use crate::error::{Error, Result};
 use crate::points::read::{Input, MarkedPoints, Reading};
 use crate::points::{Domain, Ensemble, EnsembleShape};
 use crate::request::PointsRequest;
-use crate::setting::Setting;
 
 /// What a look at all points, once, finds out.
 pub(super) struct FirstPass<'a> {
@@ -29,6 +29,8 @@ pub(super) struct FirstPass<'a> {
     notes: Vec<String>,
     more_notes: u64,
     last: Option<Arc<Reading>>,
+    /// Which realization first had these points.
+    known: HashMap<u128, u64>,
     extent: Extent,
     domain: Option<Domain>,
     outside: u64,
@@ -51,6 +53,7 @@ impl<'a> FirstPass<'a> {
             notes: Vec::new(),
             more_notes: 0,
             last: None,
+            known: HashMap::new(),
             extent: Extent::default(),
             domain: None,
             outside: 0,
@@ -65,7 +68,7 @@ impl<'a> FirstPass<'a> {
     pub(super) fn see(&mut self, sets: &[MarkedPoints]) -> Result<()> {
         for set in sets {
             self.dim.get_or_insert(set.points.dim);
-            self.read(&set.reading);
+            self.read(&set.reading, &set.points.source);
             self.extent.see(&set.points, set.reading.digits);
             if self.request.wrap {
                 let domain = match self.domain.take() {
@@ -80,6 +83,7 @@ impl<'a> FirstPass<'a> {
                     set.points.coordinates.chunks_exact(set.points.dim).filter(|p| !inside(p)).count() as u64;
                 self.domain = Some(domain);
             }
+            self.compare(set);
             self.sizes.push(set.points.len() as u64);
             self.hash.update(&(set.points.len() as u64).to_le_bytes());
             for x in set.points.coordinates.iter().chain(&set.weights) {
@@ -98,21 +102,47 @@ impl<'a> FirstPass<'a> {
         Ok(())
     }
 
+    /// Keeps a remark about what was read, once.
+    pub(super) fn note(&mut self, note: &str) {
+        if self.notes.iter().any(|known| known == note) {
+            return;
+        }
+        match self.notes.len() < MOST_NOTES {
+            true => self.notes.push(note.to_string()),
+            false => self.more_notes += 1,
+        }
+    }
+
+    /// Says where a realization is the same as one before.
+    fn compare(&mut self, set: &MarkedPoints) {
+        // One point, or none, may well be where another is.
+        if set.points.len() < 2 {
+            return;
+        }
+        let mut hash = Xxh3Default::new();
+        set.points.coordinates.iter().for_each(|x| hash.update(&x.to_le_bytes()));
+        match self.known.entry(hash.digest128()) {
+            Entry::Vacant(place) => _ = place.insert(self.sizes.len() as u64),
+            Entry::Occupied(first) => {
+                let note = format!(
+                    "{} has the same points as realization {}: realizations that are copies make standard errors too small",
+                    set.points.source,
+                    first.get()
+                );
+                self.note(&note);
+            }
+        }
+    }
+
     /// Notes how a file was read, once.
-    fn read(&mut self, reading: &Arc<Reading>) {
+    fn read(&mut self, reading: &Arc<Reading>, source: &str) {
         if self.last.as_ref().is_some_and(|last| Arc::ptr_eq(last, reading) || last == reading) {
             return;
         }
-        self.input.see(reading);
-        for note in &reading.notes {
-            if self.notes.contains(note) {
-                continue;
-            }
-            match self.notes.len() < MOST_NOTES {
-                true => self.notes.push(note.clone()),
-                false => self.more_notes += 1,
-            }
+        if let Some(difference) = self.input.see(reading) {
+            self.note(&format!("{source}: {difference}"));
         }
+        reading.notes.iter().for_each(|note| self.note(note));
         self.last = Some(reading.clone());
     }
 
@@ -137,7 +167,7 @@ impl<'a> FirstPass<'a> {
     pub(super) fn check(&self, sets: &[MarkedPoints]) -> Result<()> {
         let domain = self.domain()?;
         for set in sets {
-            Ensemble::from_raw(std::slice::from_ref(&set.points), &domain, self.request.wrap, 0)?;
+            Ensemble::check(&set.points, &domain, self.request.wrap)?;
         }
         Ok(())
     }
@@ -167,7 +197,7 @@ impl<'a> FirstPass<'a> {
             None => Kind::Files(files(marks)),
         };
         if let Some(column) = request.weight_column.as_ref().filter(|_| no_weight) {
-            return Err(Error::setting(Setting::WeightColumn, column, "all weights are 0"));
+            return Err(Error::input(subject, format!("`weight_column` {column}: all weights are 0")));
         }
         let identity = json!({
             "digest": format!("{:032x}", hash.digest128()),

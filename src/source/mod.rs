@@ -20,7 +20,8 @@ use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
 use crate::plan::MEMORY_BUDGET;
 use crate::points::read::{
-    Columns, Input, MarkedPoints, PointFile, ReadOptions, TypedColumns, each_piece, extension, read_bytes,
+    Columns, Input, MarkedPoints, PointFile, ReadOptions, TypedColumns, each_piece, extension, folders_left_out,
+    read_bytes,
 };
 use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints, counts_in_pairs};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
@@ -96,6 +97,7 @@ impl Points {
         let columns = columns(request)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let mut pass = FirstPass::new(request);
+        folders_left_out(&request.files).iter().for_each(|note| pass.note(note));
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
         let (mut files, mut first) = (Vec::new(), 0);
         each_piece(&request.files, &options, &columns, |_, file, piece| {
@@ -314,8 +316,10 @@ impl Points {
             return Err(Error::input(place, reason));
         }
         if !self.weights.second.is_some_and(|second| counts_in_pairs(second, self.weights.largest)) {
-            let reason = "no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)";
-            return Err(Error::setting(Setting::WeightColumn, column, reason));
+            let reason = format!(
+                "`weight_column` {column}: no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)"
+            );
+            return Err(Error::input(&self.subject, reason));
         }
         Ok(())
     }

@@ -15,7 +15,25 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("atoms.xyz", "1\n\nAr 0.1 0.2 0.3\n");
     scratch.file("kx.csv", "kx,ky\n6.28,0\n");
     scratch.file("nu.csv", "nu_x,nu_y\n1,0\n");
-    scratch.file("yx.csv", "m_y,m_x\n1,0\n");
+    scratch.file("yz.csv", "m_y,m_z\n1,0\n");
+    scratch.file("kx.txt", "# by hand\n# kx ky\n# done\n6.28 0\n");
+    scratch.file("nu.txt", "# nu_x nu_y\n1 0\n");
+    scratch.file("m.txt", "# m_x m_y\n1 0\n");
+    scratch.file("id-kx.csv", "id,kx,ky\n1,6.28,0\n");
+    scratch.file("id-ab.csv", "id,a,b\n1,6.28,0\n");
+    scratch.file("far.csv", "nu_x,nu_y\n0.5,0\n0,3000000000\n");
+    scratch.file("commas.csv", "x\n0,5\n0,7\n");
+    scratch.file("commas2.csv", "x,y\n1,5,3\n2,5,4\n\n");
+    scratch.file("commas3.csv", "x,y\n0.5,3,4\n");
+    scratch.file("class.txt", "x y\noak 0.1 0.2\nelm 0.3 0.9\noak 0.5 0.5\n");
+    scratch.file("frame.txt", "x y\n1 0.1 0.2\n1 0.3 0.9\n2 0.5 0.5\n");
+    scratch.file("late-name.txt", "x y\n1 0.1 0.2\n0.5 0.3 0.9\n");
+    scratch.file("obs.csv", "a,b,obs\n0.1,0.2,1\n0.3,0.9,1\n");
+    scratch.file("hole.txt", "0, 0.1,\n0.2,,0.3\n");
+    scratch.file("edge-commas.txt", "0\n0,05;0,1\n");
+    scratch.file("edge-commas2.txt", "# r\n0,05\n0,1\n");
+    scratch.file("heavy.csv", "x,y,w\n0.1,0.2,1\n0.3,0.9,1e-30\n");
+    std::fs::create_dir_all(scratch.path("nest/in")).unwrap();
     scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
     scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
     scratch.file("edges.txt", "0 0.1 0.05\n");
@@ -76,9 +94,9 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "nu.csv: column nu_x: expected integers m, cycles per side; nu is in cycles per unit length: multiply by the side",
         ),
         (
-            "analyze ok.csv --stats spectrum --frequencies yx.csv",
+            "analyze ok.csv --stats spectrum --frequencies yz.csv",
             1,
-            "yx.csv: column m_y stands in place 1; expected the axes in order, x first",
+            "yz.csv: column m_y stands in place 1; expected the axes in order, x first",
         ),
         (
             "analyze ok.csv --window 0,1,0,1 --stats spectrum --frequencies kx.csv",
@@ -89,6 +107,100 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "analyze ok.csv --stats spectrum --frequencies kx.csv",
             1,
             "kx.csv: column kx is by its name an angular frequency, 2 pi times cycles per unit length; expected integers m, cycles per side of the torus: convert, and call the columns m_x, m_y",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies kx.txt",
+            1,
+            "kx.txt: column kx is by its name an angular frequency, 2 pi times cycles per unit length; expected integers m, cycles per side of the torus: convert, and call the columns m_x, m_y",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --stats spectrum --frequencies id-kx.csv",
+            1,
+            "id-kx.csv: column kx is by its name an angular frequency, 2 pi times cycles per unit length; expected cycles per unit length: convert, and call the columns nu_x, nu_y",
+        ),
+        (
+            "analyze ok.csv --box 2,2 --stats spectrum --frequencies nu.txt",
+            1,
+            "nu.txt: column nu_x: expected integers m, cycles per side; nu is in cycles per unit length: multiply by the side",
+        ),
+        (
+            "analyze ok.csv --window 0,2,0,2 --stats spectrum --frequencies m.txt",
+            1,
+            "m.txt: column m_x: expected nu, cycles per unit length; m is in cycles per side: divide by the side",
+        ),
+        (
+            "analyze ok.csv --stats spectrum --frequencies id-ab.csv",
+            1,
+            "id-ab.csv:1: a column named \"id\" and none named m_x; expected columns named m_x, m_y[, m_z]",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --stats spectrum --frequencies id-ab.csv",
+            1,
+            "id-ab.csv:1: a column named \"id\" and none named nu_x; expected columns named nu_x, nu_y[, nu_z]",
+        ),
+        (
+            "analyze ok.csv --window 0,1,0,1 --stats spectrum --frequencies far.csv",
+            1,
+            "far.csv:3: nu_y = 3000000000; expected cycles per unit length, less than 2^31 of them per side of the window",
+        ),
+        (
+            "analyze commas.csv",
+            1,
+            "commas.csv:3: 2 fields, the header names 1, and \"0\" stands first in two rows, so it names neither; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header",
+        ),
+        (
+            "analyze commas2.csv",
+            1,
+            "commas2.csv:2: 3 fields, the header names 2, and no number has a decimal point; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header",
+        ),
+        (
+            "analyze commas3.csv",
+            1,
+            "commas3.csv:2: 3 fields, the header names 2, and \"0.5\" is not the name of a row; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header",
+        ),
+        (
+            "analyze class.txt",
+            1,
+            "class.txt:4: 3 fields, the header names 2, and \"oak\" stands first in two rows, so it names neither; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header",
+        ),
+        (
+            "analyze frame.txt",
+            1,
+            "frame.txt:3: 3 fields, the header names 2, and \"1\" stands first in two rows, so it names neither; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header",
+        ),
+        (
+            "analyze late-name.txt",
+            1,
+            "late-name.txt:3: 3 fields, the header names 2, and \"0.5\" is not the name of a row; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header",
+        ),
+        (
+            "analyze obs.csv",
+            1,
+            "obs.csv:1: a column named \"obs\" and none named x; expected columns named x, y[, z], or --columns with the names of those meant",
+        ),
+        (
+            "analyze ok.csv ./ok.csv",
+            1,
+            "./ok.csv: is given twice (before as ok.csv): its realizations would count twice; give it once",
+        ),
+        ("analyze ok.csv ok.csv", 1, "ok.csv: is given twice: its realizations would count twice; give it once"),
+        ("analyze ok.csv --array x,y,x", 2, "--array x,y,x: names array x twice"),
+        ("analyze nest", 1, "nest: no files in this directory, only 1 folder; give those, or 'nest/*/*'"),
+        ("analyze ok.csv --edges hole.txt", 1, "hole.txt:2: an empty field in `0.2,,0.3`; expected a number"),
+        (
+            "analyze ok.csv --edges edge-commas.txt",
+            1,
+            "edge-commas.txt:2: decimal comma in `0,05;0,1`; write numbers with a point, as 0.5",
+        ),
+        (
+            "analyze ok.csv --edges edge-commas2.txt",
+            1,
+            "edge-commas2.txt:2: decimal commas, or two edges in every line; write numbers with a point, as 0.5, or one in a line",
+        ),
+        (
+            "analyze heavy.csv --weight-column w",
+            1,
+            "heavy.csv: --weight-column w: no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)",
         ),
         (
             "analyze --sampler random -n 9 -k 18446744073709551615",
@@ -337,7 +449,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             1,
             "trees.csv:1: --class-column species: no column of that name; there are x, y, kind, size",
         ),
-        ("analyze zero.csv --weight-column 3", 2, "--weight-column 3: all weights are 0"),
+        ("analyze zero.csv --weight-column 3", 1, "zero.csv: --weight-column 3: all weights are 0"),
         ("analyze ok.csv -n 5", 2, "-n 5: applies to --sampler NAME only, not to point files"),
         ("analyze ok.csv --param mu=3", 2, "--param mu=3: applies to --sampler NAME only, not to point files"),
         ("analyze ok.csv --device 99", 1, "--device 99:"),

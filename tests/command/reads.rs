@@ -90,3 +90,118 @@ fn the_first_line_says_what_was_read() {
         scratch.ok("analyze a.csv --device cpu --explain").starts_with("n = 6, K = 1, 2D, unit torus; a.csv: text, ")
     );
 }
+
+/// A row of six points, each with something behind it.
+fn beside(column: impl Fn(usize) -> String) -> String {
+    ROWS.lines().enumerate().map(|(j, row)| format!("{row},{}\n", column(j))).collect()
+}
+
+/// What was read otherwise than the first line says, or may be no coordinate, is warned of.
+#[test]
+fn what_may_be_meant_otherwise_is_a_warning() {
+    let scratch = Scratch::new();
+    scratch.file("a.csv", &format!("x,y\n{ROWS}"));
+    scratch.file("swapped.csv", &format!("y,x,mark\n{}", beside(|j| j.to_string()).replace("0.62", "0.63")));
+    scratch.file("bare.txt", &ROWS.replace("0.62", "0.64"));
+    scratch.file("copy.csv", &format!("x,y\n{ROWS}"));
+    std::fs::create_dir_all(scratch.path("all/old")).unwrap();
+    std::fs::create_dir_all(scratch.path("all/new")).unwrap();
+    scratch.file("all/a.csv", &format!("x,y\n{ROWS}"));
+    let third = |name: &str, column: &dyn Fn(usize) -> String| scratch.file(name, &beside(column).repeat(2));
+    third("interleaved.txt", &|j| (j % 2).to_string());
+    third("class.txt", &|j| [0, 1, 1, 0, 1, 0][j].to_string());
+    scratch.file("down.txt", &beside(|j| (9 - j).to_string()));
+    scratch.file("depth.txt", &beside(|j| format!("{}.5", j % 2)));
+    scratch.file("unit.csv", &format!("x [deg],y [deg]\n{ROWS}"));
+    scratch.file("sign.txt", &format!("x [\u{b0}] y [\u{b0}]\n{}", ROWS.replace(',', " ")));
+    scratch.file("words.csv", &format!("x (degrees),y (degrees)\n{ROWS}"));
+    scratch.file("comment.txt", &format!("# lon lat\n# WGS84\n{}", ROWS.replace(',', " ")));
+    scratch.file("heat.csv", &format!("x [degC],y [degC]\n{ROWS}"));
+    let degrees = |place: &str, column: &str| {
+        format!(
+            "{place}: column {column} holds degrees by its name; distances in degrees differ with direction and latitude: convert to metres first (UTM or another projection)"
+        )
+    };
+    let counted = |name: &str| {
+        format!(
+            "{name}:1: column 3 has 2 values, all whole, beside fractions, as classes and frames have, and was read as a coordinate; --columns 1,2 leaves it out, and --class-column 3 or --realization-column 3 says what it is"
+        )
+    };
+    let table: [(&str, Option<String>); 12] = [
+        (
+            "a.csv swapped.csv",
+            Some("swapped.csv: read as text, header in line 1, columns x, y (not used: mark), unlike the first file: text, header in line 1, columns x, y".into()),
+        ),
+        (
+            "a.csv bare.txt",
+            Some("bare.txt: read as text, columns 1, 2, unlike the first file: text, header in line 1, columns x, y".into()),
+        ),
+        (
+            "a.csv copy.csv",
+            Some("copy.csv has the same points as realization 0: realizations that are copies make standard errors too small".into()),
+        ),
+        ("all", Some("all: 2 folders within it were not read; give them as well, or 'all/*/*'".into())),
+        ("interleaved.txt --box 1,1,2", Some(counted("interleaved.txt"))),
+        ("class.txt --box 1,1,2", Some(counted("class.txt"))),
+        (
+            "down.txt --box 1,1,10",
+            Some("down.txt:1: column 3 counts by -1 (9, 8, 7, ...) and was read as a coordinate; --columns 1,2 leaves it out".into()),
+        ),
+        ("unit.csv", Some(degrees("unit.csv:1", "x [deg]"))),
+        ("sign.txt", Some(degrees("sign.txt:1", "x [\u{b0}]"))),
+        ("words.csv", Some(degrees("words.csv:1", "x (degrees)"))),
+        ("comment.txt", Some(degrees("comment.txt:3", "lon"))),
+        ("heat.csv", None),
+    ];
+    for (arguments, warning) in table {
+        let output = scratch.run(&format!("analyze {arguments} --stats neighbors --device cpu --out o --force"));
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{arguments}: {errors}");
+        match warning {
+            Some(warning) => {
+                assert!(errors.lines().any(|l| l == format!("warning: {warning}")), "{arguments}: {errors}")
+            }
+            None => assert!(!errors.contains("warning"), "{arguments}: {errors}"),
+        }
+    }
+    // Coordinates that are no whole numbers are nothing to warn of, whatever their number.
+    let output = scratch.run("analyze depth.txt --box 1,1,2 --stats neighbors --device cpu --out o --force");
+    assert!(!String::from_utf8(output.stderr).unwrap().contains("warning"));
+}
+
+/// Frequencies with other columns beside them, in any order, with names in a comment; the program's own list among them.
+#[test]
+fn what_was_read_of_frequencies_is_said() {
+    let scratch = Scratch::new();
+    scratch.file("a.csv", &format!("x,y\n{ROWS}"));
+    scratch.file("m.csv", "id,m_y,note,m_x\n1,2,a b,1\n2,0,,3\n");
+    scratch.file("nu.csv", "id,nu_x,nu_y\n1,0.5,1\n2,1.5,0\n");
+    scratch.file("comment.txt", "# m_y m_x\n# made by hand\n2 1\n0 3\n");
+    let run = |arguments: &str| {
+        let out = scratch.ok(&format!("analyze a.csv {arguments} --stats spectrum --device cpu --out o --force"));
+        let table = std::fs::read_to_string(scratch.path("o/spectrum_list.csv")).unwrap();
+        (out.lines().nth(1).unwrap().to_string(), table)
+    };
+    let (line, torus) = run("--frequencies m.csv");
+    assert_eq!(
+        line,
+        "frequencies m.csv: text, header in line 1, columns m_x, m_y (not used: id, note), 2 wave vectors in cycles per side"
+    );
+    assert!(torus.lines().nth(1).unwrap().starts_with("1,2,"), "{torus}");
+    let (line, commented) = run("--frequencies comment.txt");
+    assert_eq!(line, "frequencies comment.txt: text, columns m_x, m_y, 2 wave vectors in cycles per side");
+    assert_eq!(commented, torus);
+    let window = "--window 0,2,0,2";
+    let (line, windowed) = run(&format!("{window} --frequencies nu.csv"));
+    assert_eq!(
+        line,
+        "frequencies nu.csv: text, header in line 1, columns nu_x, nu_y (not used: id), 2 wave vectors in cycles per unit length"
+    );
+    // What the program writes it reads.
+    for (table, domain) in [(torus, ""), (windowed, window)] {
+        scratch.file("own.csv", &table);
+        assert_eq!(run(&format!("{domain} --frequencies own.csv")).1, table);
+    }
+    let plan = scratch.ok("analyze a.csv --stats spectrum --frequencies m.csv --device cpu --explain");
+    assert_eq!(plan.matches("frequencies m.csv: text").count(), 1, "{plan}");
+}

@@ -37,7 +37,7 @@ fn directories_patterns_and_lists() {
     assert_eq!(firsts(&[folder.path().to_owned()]), [1.0, 9.0, 10.0]);
     assert_eq!(firsts(&[at("set_*.txt")]), [1.0, 9.0, 10.0]);
     assert_eq!(firsts(&[at("set_?.txt"), at("set_10.txt")]), [1.0, 9.0, 10.0]);
-    assert_eq!(firsts(&[at("set_9.txt"), at("set_1.txt"), at("set_9.txt")]), [9.0, 1.0, 9.0]);
+    assert_eq!(firsts(&[at("set_9.txt"), at("set_1.txt")]), [9.0, 1.0]);
 
     // A file whose name has a pattern's characters is a file.
     put("odd[1]*.txt", "7 0\n");
@@ -47,6 +47,10 @@ fn directories_patterns_and_lists() {
         let message = read_all(inputs, &NO_OPTIONS).unwrap_err().to_string();
         message.replace(&format!("{}/", folder.path().display()), "").replace(&*folder.path().to_string_lossy(), "DIR")
     };
+    assert_eq!(
+        fails(&[at("set_9.txt"), at("set_1.txt"), at("sub/../set_9.txt")]),
+        "sub/../set_9.txt: is given twice (before as set_9.txt): its realizations would count twice; give it once"
+    );
     assert_eq!(fails(&[at("none_*.txt")]), "none_*.txt: no file matches this pattern");
     assert_eq!(fails(&[at("none.txt")]), "none.txt: No such file or directory (os error 2)");
     assert_eq!(fails(&[at("sub")]), "sub: no files in this directory");

@@ -133,3 +133,18 @@ fn bad_npy_files() {
         assert_eq!(read("a.npy", bytes).unwrap_err(), format!("a.npy: {message}"));
     }
 }
+
+#[test]
+fn one_large_realization_is_read_block_by_block() {
+    let numbers: Vec<f32> = (0..150_000u32).map(|k| (k * 37 % 1009) as f32 * 0.5).collect();
+    let expected: Vec<f64> = numbers.iter().map(|&x| f64::from(x)).collect();
+    for shape in [&[75_000, 2][..], &[1, 75_000, 2]] {
+        let sets = read("a.npy", npy("<f4", npyz::Order::C, shape, &numbers)).unwrap();
+        assert!(sets[0].source.ends_with("a.npy"), "{}", sets[0].source);
+        assert_eq!(content(&sets), [(2, expected.clone())], "{shape:?}");
+    }
+    let pairs = read("a.npy", npy("<f4", npyz::Order::C, &[2, 75_000], &numbers));
+    assert!(pairs.unwrap_err().contains("it seems to be transposed"));
+    let sets = read("a.npy", npy("<f4", npyz::Order::C, &[2, 37_500, 2], &numbers)).unwrap();
+    assert_eq!(content(&sets), [(2, expected[..75_000].to_vec()), (2, expected[75_000..].to_vec())]);
+}

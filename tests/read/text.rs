@@ -56,6 +56,8 @@ fn text_varieties_give_the_same_points() {
         ("R's write.table", b"\"x\" \"y\"\n\"1\" 0.5 0.25\n\"2\" -1 1e-3\n"),
         ("R's write.table without quotes", b"x y\n1 0.5 0.25\n2 -1 1e-3\n"),
         ("R's write.table, tabs and a factor", b"x\ty\tkind\na b\t0.5\t0.25\toak\nc\t-1\t1e-3\telm\n"),
+        ("R's write.table, commas", b"x,y\n1,0.5,0.25\n2,-1,1e-3\n"),
+        ("R's write.table of some rows", b"x y\n7 0.5 0.25\n3 -1 1e-3\n"),
         ("sep=", b"sep=;\nx;y\n0,5;0,25\n-1;0,001\n"),
         ("sep=|", b"sep=|\nx|y\n0.5|0.25\n-1|1e-3\n"),
         ("pandas with an index", b",0,1\n0,0.5,0.25\n1,-1,1e-3\n"),
@@ -112,6 +114,16 @@ fn comment_lines_between_data_separate_realizations() {
 }
 
 #[test]
+fn rows_have_names_in_every_realization() {
+    // Each counts its own.
+    let sets = read("b.txt", "x y\n1 1 2\n2 3 4\n#\n1 5 6\n").unwrap();
+    assert_eq!(content(&sets), [(2, vec![1.0, 2.0, 3.0, 4.0]), (2, vec![5.0, 6.0])]);
+    // One that counted is known when counting ends.
+    let error = read("b.txt", "x y\n1 1 2\n2 3 4\nb 5 6\n2 7 8\n").unwrap_err();
+    assert!(error.starts_with("b.txt:5: 3 fields, the header names 2, and \"2\" stands first in two rows"), "{error}");
+}
+
+#[test]
 fn lines_count_every_kind_of_ending_once() {
     let sets = read("a.txt", "# c\r\n\r1 2\n\n3 4\r\n5 6\r").unwrap();
     assert_eq!(sets[0].lines, [3, 5, 6]);
@@ -151,7 +163,10 @@ fn bad_text_names_line_text_and_expectation() {
         ),
         ("id,x,y\n1,2\n", r#"a.txt:2: 2 fields, expected 3 as in line 1: "1,2""#),
         ("id,x,y\n1,2,\n", r#"a.txt:2: "" is not a number; expected a number in column 3, named in line 1"#),
-        ("x y\n1.5 0.5 0.25\n", r#"a.txt:2: 3 fields, expected 2 as in line 1: "1.5 0.5 0.25""#),
+        (
+            "x y\n1.5 0.5 0.25\n",
+            r#"a.txt:2: 3 fields, the header names 2, and "1.5" is not the name of a row; decimal commas? write points, or semicolons between numbers; a class or a frame needs a name in the header"#,
+        ),
         (
             "a,b,c,d\n1,2,3,4\n",
             r#"a.txt:1: 4 columns, none named x; expected columns named x, y[, z], or 1 to 3 columns, or `columns` with the names of those meant, in "a,b,c,d""#,

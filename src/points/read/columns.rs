@@ -37,7 +37,10 @@ pub enum Rows {
     #[default]
     Points,
     /// Wave vectors of `--frequencies`.
-    WaveVectors,
+    WaveVectors {
+        /// Integers m, cycles per side, rather than nu, cycles per unit length.
+        per_side: bool,
+    },
 }
 
 impl Rows {
@@ -45,7 +48,21 @@ impl Rows {
     pub(super) fn one(self) -> &'static str {
         match self {
             Self::Points => "point",
-            Self::WaveVectors => "wave vector",
+            Self::WaveVectors { .. } => "wave vector",
+        }
+    }
+
+    /// What the column of the first axis is called.
+    pub(super) fn first_axis(self) -> &'static str {
+        self.axes().split(',').next().unwrap_or_default()
+    }
+
+    /// What the columns of coordinates are called.
+    pub(super) fn axes(self) -> &'static str {
+        match self {
+            Self::Points => "x, y[, z]",
+            Self::WaveVectors { per_side: true } => "m_x, m_y[, m_z]",
+            Self::WaveVectors { per_side: false } => "nu_x, nu_y[, nu_z]",
         }
     }
 
@@ -53,7 +70,7 @@ impl Rows {
     pub(super) fn number(self) -> &'static str {
         match self {
             Self::Points => "coordinate",
-            Self::WaveVectors => "number",
+            Self::WaveVectors { .. } => "number",
         }
     }
 }
@@ -159,13 +176,18 @@ impl Columns {
             Some(BLANK_LINES) => Some(Separator::BlankLines),
             other => parse(Setting::RealizationColumn, other)?.map(Separator::Column),
         };
+        let arrays = typed.array.map(|text| listed(Setting::Array, text)).transpose()?.unwrap_or_default();
+        if let Some(twice) = (1..arrays.len()).find(|&k| arrays[..k].contains(&arrays[k])) {
+            let reason = format!("names array {} twice", arrays[twice]);
+            return Err(Error::setting(Setting::Array, typed.array.unwrap_or_default(), reason));
+        }
         Ok(Self {
             rows: Rows::Points,
             coordinates,
             realization,
             weight: parse(Setting::WeightColumn, typed.weight)?,
             class: parse(Setting::ClassColumn, typed.class)?,
-            arrays: typed.array.map(|text| listed(Setting::Array, text)).transpose()?.unwrap_or_default(),
+            arrays,
         })
     }
 

@@ -17,7 +17,7 @@ mod reading;
 mod text;
 mod utk;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,7 @@ use columns::Marks;
 pub use columns::{Column, Columns, MarkedPoints, Rows, Separator, TypedColumns};
 pub use raw::{RawElement, RawLayout};
 pub use reading::{Apart, Input, Reading};
+pub(crate) use text::{has_decimal_comma, is_decimal_comma};
 
 /// What the command line says about its input files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -127,8 +128,16 @@ pub(crate) fn each_piece(
         }
         Ok(())
     };
+    let mut known = HashMap::new();
     for input in inputs {
         for path in expand(input, options)? {
+            if let Ok(place) = fs::canonicalize(&path)
+                && let Some(before) = known.insert(place, path.clone())
+            {
+                let as_what = if before == path { String::new() } else { format!(" (before as {})", before.display()) };
+                let reason = format!("is given twice{as_what}: its realizations would count twice; give it once");
+                return Err(Error::input(path.display().to_string(), reason));
+            }
             let file = PointFile::open(path, options, columns);
             let (all, at_once) = match &file {
                 PointFile::Whole(_) => (1, 1),
@@ -191,6 +200,28 @@ pub(crate) fn paths(inputs: &[PathBuf]) -> Vec<PathBuf> {
     expanded.flatten().filter(|path| !is_stdin(path)).collect()
 }
 
+/// What is said of folders within directories that are given: they are not read.
+pub(crate) fn folders_left_out(inputs: &[PathBuf]) -> Vec<String> {
+    let said = |dir: &PathBuf| {
+        let count = folders(dir);
+        (count > 0).then(|| {
+            let (many, were) = (plural(count, "folder"), if count == 1 { "was" } else { "were" });
+            format!("{}: {many} within it {were} not read; give them as well, or '{0}/*/*'", dir.display())
+        })
+    };
+    inputs.iter().filter_map(said).collect()
+}
+
+/// How many folders a directory holds, but for hidden ones.
+fn folders(dir: &Path) -> u64 {
+    let within = |entry: &fs::DirEntry| entry.path().is_dir() && !is_hidden(&entry.path());
+    fs::read_dir(dir).map_or(0, |entries| entries.flatten().filter(within).count() as u64)
+}
+
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+}
+
 /// The files that one input stands for.
 fn expand(input: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
     if is_stdin(input) {
@@ -229,8 +260,7 @@ fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(dir).map_err(|e| Error::file(dir, e))? {
         let path = entry.map_err(|e| Error::file(dir, e))?.path();
-        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if hidden || fs::metadata(&path).map_err(|e| Error::file(&path, e))?.is_dir() {
+        if is_hidden(&path) || fs::metadata(&path).map_err(|e| Error::file(&path, e))?.is_dir() {
             continue;
         }
         let extension = extension(&path);
@@ -243,7 +273,15 @@ fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
         paths.push(path);
     }
     if paths.is_empty() {
-        return Err(Error::input(dir.display().to_string(), "no files in this directory"));
+        let reason = match folders(dir) {
+            0 => "no files in this directory".to_string(),
+            n => format!(
+                "no files in this directory, only {}; give those, or '{}/*/*'",
+                plural(n, "folder"),
+                dir.display()
+            ),
+        };
+        return Err(Error::input(dir.display().to_string(), reason));
     }
     sort_naturally(&mut paths);
     Ok(paths)
@@ -356,7 +394,7 @@ pub(crate) fn read_bytes(
 fn unknown(name: &str, rows: Rows) -> Error {
     let raw = match rows {
         Rows::Points => "need `raw` f32x2 or the like",
-        Rows::WaveVectors => "need a name that ends in .f32 or .f64",
+        Rows::WaveVectors { .. } => "need a name that ends in .f32 or .f64",
     };
     Error::input(name, format!("neither text nor .npy, .npz or UTK .bin (no such header); raw numbers {raw}"))
 }
@@ -498,6 +536,31 @@ fn suspicious(sets: &[MarkedPoints], name: impl Fn(usize) -> Option<String>) -> 
                 }
             });
         }
+        if dim < 3 || others.iter().any(|&other| whole(other)) {
+            continue;
+        }
+        // Whole numbers beside two fractions.
+        let mut steps = values().zip(values().skip(1)).map(|(a, b)| b - a);
+        let step = values().nth(1).map_or(0.0, |second| second - first);
+        if step != 0.0 && steps.all(|s| s == step) {
+            let last = first + 2.0 * step;
+            return Some(Ok(format!(
+                "column {called} counts by {step} ({first}, {}, {last}, ...) and was read as a coordinate; `columns` {without} leaves it out",
+                first + step
+            )));
+        }
+        let most = set.len() / FEWEST;
+        let mut distinct = HashSet::new();
+        if values().all(|value| {
+            distinct.insert(value.to_bits());
+            distinct.len() <= most
+        }) && (2..=most).contains(&distinct.len())
+        {
+            let many = distinct.len();
+            return Some(Ok(format!(
+                "column {called} has {many} values, all whole, beside fractions, as classes and frames have, and was read as a coordinate; `columns` {without} leaves it out, and `class_column` {called} or `realization_column` {called} says what it is"
+            )));
+        }
     }
     None
 }
@@ -556,11 +619,18 @@ impl Element {
 
     /// Every number of `bytes`, as f64: exact but for integers beyond 2^53, which are rounded to nearest.
     fn decode(self, bytes: &[u8], big_endian: bool) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        self.decode_onto(&mut numbers, bytes, big_endian);
+        numbers
+    }
+
+    /// Appends the same to `into`.
+    fn decode_onto(self, into: &mut Vec<f64>, bytes: &[u8], big_endian: bool) {
         macro_rules! numbers {
             ($type:ty, $to_f64:expr) => {{
                 let (chunks, _) = bytes.as_chunks::<{ size_of::<$type>() }>();
                 let from = if big_endian { <$type>::from_be_bytes } else { <$type>::from_le_bytes };
-                chunks.iter().map(|&chunk| $to_f64(from(chunk))).collect()
+                into.extend(chunks.iter().map(|&chunk| $to_f64(from(chunk))));
             }};
         }
         match self {

@@ -65,16 +65,20 @@ pub(super) fn shape(bytes: &[u8]) -> Option<Vec<u64>> {
     parse(text).ok().map(|header| header.shape)
 }
 
-/// An array (K, n, d) in C order whose realizations are read when they are needed.
+/// An array in C order whose realizations are read when they are needed, and never lie in memory as they are stored.
 #[derive(Debug)]
 pub(crate) struct Rows {
     path: PathBuf,
     data: u64,
     element: Element,
     big_endian: bool,
+    shape: Vec<u64>,
     /// K, n and d.
     sizes: [u64; 3],
 }
+
+/// Numbers that are decoded at a time.
+const BLOCK: usize = 1 << 16;
 
 impl Rows {
     /// `None` for what is another file or array, or a damaged one: `read` says what is wrong with it.
@@ -89,8 +93,8 @@ impl Rows {
         let (k, n, d) = sizes(&shape, columns).ok()?;
         let data = (front.len() - rest.len()) as u64;
         let bytes = k.checked_mul(n)?.checked_mul(d)?.checked_mul(element.bytes() as u64)?;
-        let whole = !fortran && k > 1 && n > 0 && data.checked_add(bytes)? == length;
-        whole.then(|| Self { path: path.to_owned(), data, element, big_endian, sizes: [k, n, d] })
+        let whole = !fortran && k > 0 && n > 0 && d > 0 && data.checked_add(bytes)? == length;
+        whole.then(|| Self { path: path.to_owned(), data, element, big_endian, shape, sizes: [k, n, d] })
     }
 
     /// How many realizations it holds.
@@ -105,23 +109,32 @@ impl Rows {
 
     /// Some of them.
     pub(super) fn read(&self, range: Range<u64>, columns: &Columns) -> Result<Vec<MarkedPoints>> {
-        let numbers = self.numbers() as usize;
-        let each = numbers as u64 * self.element.bytes() as u64;
-        let length = ((range.end - range.start) * each) as usize;
-        let mut bytes = Vec::new();
-        bytes.try_reserve_exact(length).map_err(|_| Error::file(&self.path, ErrorKind::OutOfMemory.into()))?;
-        let mut file = File::open(&self.path).map_err(|e| Error::file(&self.path, e))?;
-        file.seek(SeekFrom::Start(self.data + range.start * each))
-            .and_then(|_| file.take(length as u64).read_to_end(&mut bytes))
-            .map_err(|e| Error::file(&self.path, e))?;
-        if bytes.len() < length {
-            let have = range.start + bytes.len() as u64 / each;
-            let reason = format!("is shorter than when it was first read: realization {have} is not there any more");
-            return Err(Error::input(self.path.display().to_string(), reason));
+        let (numbers, size) = (self.numbers() as usize, self.element.bytes());
+        let fail = |e| Error::file(&self.path, e);
+        let mut file = File::open(&self.path).map_err(fail)?;
+        file.seek(SeekFrom::Start(self.data + range.start * self.numbers() * size as u64)).map_err(fail)?;
+        let mut bytes = vec![0; BLOCK.min(numbers) * size];
+        let mut sets = Vec::new();
+        for k in range.clone() {
+            let mut set = Vec::new();
+            set.try_reserve_exact(numbers).map_err(|_| fail(ErrorKind::OutOfMemory.into()))?;
+            while set.len() < numbers {
+                let block = &mut bytes[..BLOCK.min(numbers - set.len()) * size];
+                file.read_exact(block).map_err(|e| match e.kind() {
+                    ErrorKind::UnexpectedEof => {
+                        let reason =
+                            format!("is shorter than when it was first read: realization {k} is not there any more");
+                        Error::input(self.path.display().to_string(), reason)
+                    }
+                    _ => fail(e),
+                })?;
+                self.element.decode_onto(&mut set, block, self.big_endian);
+            }
+            sets.push(set);
         }
-        let flat = self.element.decode(&bytes, self.big_endian);
-        let sets = flat.chunks_exact(numbers).map(<[f64]>::to_vec).collect();
-        let sets = Sets { sets, ..described(self.element, &self.sizes, Some(range.start)) };
+        // One alone is called by its file.
+        let first = (self.realizations() > 1).then_some(range.start);
+        let sets = Sets { sets, ..described(self.element, &self.shape, first) };
         numbered(&self.path.display().to_string(), sets, columns)
     }
 }

@@ -130,7 +130,7 @@ fn by_themselves<'a>(arrays: &'a [Array], dim: Option<usize>, columns: &Columns)
         return Ok(all);
     }
     let choose = match columns.rows {
-        Rows::WaveVectors => "expected one array",
+        Rows::WaveVectors { .. } => "expected one array",
         Rows::Points if alike(&all) => {
             "`array` with one name per coordinate makes them one set; a domain of one axis, realizations in 1D"
         }

@@ -74,10 +74,29 @@ pub struct Input {
 const MOST: usize = 10;
 
 impl Input {
-    /// Takes another file into account, or another piece of one.
-    pub(crate) fn see(&mut self, reading: &Reading) {
+    /// Takes another file into account, or another piece of one. Returns how it differs from the first, if it does.
+    pub(crate) fn see(&mut self, reading: &Reading) -> Option<String> {
+        // Where a header stands is no difference.
+        let kind = |format: &str| match format.split_once(", header in line ") {
+            Some((start, rest)) => format!("{start}, header{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())),
+            None => format.to_string(),
+        };
+        let mut difference = None;
         if self.columns.is_empty() {
             (self.columns, self.unused_columns) = (reading.columns.clone(), reading.unused.clone());
+        } else if let Some(first) = self.formats.first()
+            && (kind(first) != kind(&reading.format)
+                || (&self.columns, &self.unused_columns) != (&reading.columns, &reading.unused))
+        {
+            let taken = |format: &str, columns: &[String], unused: &[String]| {
+                let formats = vec![format.to_string()];
+                Self { formats, columns: columns.to_vec(), unused_columns: unused.to_vec(), ..Self::default() }.taken()
+            };
+            difference = Some(format!(
+                "read as {}, unlike the first file: {}",
+                taken(&reading.format, &reading.columns, &reading.unused),
+                taken(first, &self.columns, &self.unused_columns)
+            ));
         }
         let words = reading.apart.words();
         for (all, one) in [(&mut self.formats, &reading.format), (&mut self.realizations, &words)] {
@@ -85,10 +104,16 @@ impl Input {
                 all.push(one.clone());
             }
         }
+        difference
     }
 
-    /// `CSV, header in line 1, columns x, y (not used: id); each file is one realization`.
+    /// `text, header in line 1, columns x, y (not used: id); each file is one realization`.
     pub fn words(&self) -> String {
+        format!("{}; {}", self.taken(), self.realizations.join("; "))
+    }
+
+    /// The same without how realizations were told apart.
+    pub(crate) fn taken(&self) -> String {
         let mut words = self.formats.join(" and ");
         if !self.columns.is_empty() {
             let noun = if self.columns.len() == 1 { "column" } else { "columns" };
@@ -97,6 +122,6 @@ impl Input {
         if !self.unused_columns.is_empty() {
             words += &format!(" (not used: {})", self.unused_columns.join(", "));
         }
-        format!("{words}; {}", self.realizations.join("; "))
+        words
     }
 }

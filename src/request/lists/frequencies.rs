@@ -5,22 +5,24 @@ use std::path::Path;
 use crate::error::{Error, Result, number};
 use crate::plan::WaveList;
 use crate::points::Domain;
-use crate::points::read::{Columns, ReadOptions, Rows, plural, read_file};
+use crate::points::read::{Columns, Input, ReadOptions, Rows, plural, read_file};
 use crate::setting::Setting;
 
 /// Frequencies from here on are refused: 2^31 cycles per side.
 const LIMIT: f64 = 2_147_483_648.0;
 
 /// Reads `--frequencies`: on a torus integers m, in cycles per side; in a window cycles per unit length. The file may be any
-/// that could hold points with as many coordinates as `domain` has axes; a header is optional, `#` starts a comment. The
-/// order is kept, and so are repetitions.
+/// that could hold points with as many coordinates as `domain` has axes; a header is optional, `#` starts a comment. Where the
+/// header names m_x, m_y or nu_x, nu_y other columns may stand beside them. The order is kept, and so are repetitions. Returns
+/// also what was read, in words.
 ///
 /// # Errors
 /// What the file system says; what is no wave vector, by its place.
-pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
+pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<(WaveList, String)> {
     let dim = domain.dim();
     let mut vectors = Vec::new();
-    let columns = Columns { rows: Rows::WaveVectors, ..Columns::default() };
+    let mut read = Input::default();
+    let columns = Columns { rows: Rows::WaveVectors { per_side: domain.is_torus() }, ..Columns::default() };
     for set in read_file(path, &ReadOptions { dim: Some(dim), raw: None }, &columns)? {
         if let Some(column) = set.reading.columns.iter().find(|name| is_angular(name)) {
             let (unit, names) = match domain.is_torus() {
@@ -36,6 +38,7 @@ pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
         if let Some(reason) = misnamed(&set.reading.columns, domain) {
             return Err(Error::input(path.display().to_string(), reason));
         }
+        read.see(&set.reading);
         let set = set.points;
         let place = |j: usize| match set.lines.is_empty() {
             true => format!("{}, wave vector {j}", set.source),
@@ -64,7 +67,10 @@ pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<WaveList> {
     }
     let list = WaveList { dim, vectors, mirrored: false };
     list.check_size(Setting::Frequencies, path.display())?;
-    Ok(list)
+    let unit = if domain.is_torus() { "cycles per side" } else { "cycles per unit length" };
+    let many = plural(list.vectors.len() as u64, "wave vector");
+    let said = format!("frequencies {}: {}, {many} in {unit}", path.display(), read.taken());
+    Ok((list, said))
 }
 
 /// Whether a column is called as angular frequencies are: kx, k_y, q1, omega.

@@ -18,14 +18,17 @@ use crate::points::Domain;
 pub(crate) struct Lists {
     edges: OnceLock<Vec<f64>>,
     frequencies: OnceLock<WaveList>,
+    /// What was read of the frequencies, in words.
+    said: OnceLock<String>,
 }
 
 impl Lists {
     /// Those that were read before.
-    pub(crate) fn given(edges: Option<Vec<f64>>, frequencies: Option<WaveList>) -> Self {
+    pub(crate) fn given(edges: Option<Vec<f64>>, frequencies: Option<WaveList>, said: Option<String>) -> Self {
         let cell = Self::default();
         edges.into_iter().for_each(|edges| _ = cell.edges.set(edges));
         frequencies.into_iter().for_each(|list| _ = cell.frequencies.set(list));
+        said.into_iter().for_each(|said| _ = cell.said.set(said));
         cell
     }
 
@@ -45,10 +48,16 @@ impl Lists {
         match self.frequencies.get() {
             Some(list) => Ok(list),
             None => {
-                let list = read_frequencies(path, domain)?;
+                let (list, said) = read_frequencies(path, domain)?;
+                _ = self.said.set(said);
                 Ok(self.frequencies.get_or_init(|| list))
             }
         }
+    }
+
+    /// What was read of files of frequencies, in a line.
+    pub(crate) fn said(&self) -> Option<&str> {
+        self.said.get().map(String::as_str)
     }
 
     /// What was read.
