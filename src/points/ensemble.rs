@@ -65,7 +65,7 @@ impl Ensemble {
                 offset(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
             }
         }
-        Ok(())
+        check_polygon(set, domain)
     }
 
     fn from_sets(
@@ -102,6 +102,7 @@ impl Ensemble {
                     }
                 }
             }
+            check_polygon(set, domain)?;
             offsets.push(fractions[0].len());
         }
         let lengths = own_lengths.then_some(lengths);
@@ -366,6 +367,26 @@ fn fraction([whole, rest]: [f64; 2], side: f64, domain: &Domain) -> u64 {
     if domain.is_torus() { steps as u64 } else { steps.min(1 << 64) as u64 }
 }
 
+/// Whether all points, which are in the box, are in the polygon that the window is, or on a side of it.
+fn check_polygon(set: &RawPoints, domain: &Domain) -> Result<()> {
+    let Some(polygon) = domain.as_polygon() else { return Ok(()) };
+    let points = set.coordinates.as_chunks::<2>().0;
+    let outside: Vec<usize> =
+        (0..points.len()).into_par_iter().filter(|&j| !polygon.contains_point(points[j])).collect();
+    let Some(&first) = outside.first() else { return Ok(()) };
+    let [x, y] = points[first].map(number);
+    let many = match outside.len() {
+        1 => "the only point that is".into(),
+        n => format!("the first of {n} that are"),
+    };
+    let reason = format!(
+        "({x}, {y}) is outside the polygon, {many} of {} points; expected points inside or on its sides, \
+         or the outline in which they were observed (`window_polygon`)",
+        points.len()
+    );
+    Err(Error::input(set.place(first), reason))
+}
+
 /// How far points reach along each axis, if that is more than the side of a torus along one.
 fn beyond_box(set: &RawPoints, domain: &Domain) -> Option<String> {
     let along =
@@ -397,6 +418,8 @@ fn outside(set: &RawPoints, j: usize, axis: usize, x: f64, domain: &Domain) -> E
         format!(
             "{name} = {x_text} is outside [{lo}, {hi}); `wrap` folds points in, `sides` sets the sides, `window` a window"
         )
+    } else if domain.as_polygon().is_some() {
+        format!("{name} = {x_text} is outside the polygon, whose bounding box has [{lo}, {hi}] (`window_polygon`)")
     } else {
         format!("{name} = {x_text} is outside the window [{lo}, {hi}]; `window` x0,x1,y0,y1 sets it")
     };
