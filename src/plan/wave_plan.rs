@@ -51,7 +51,7 @@ impl WavePlan {
         accuracy: Accuracy,
         shape: EnsembleShape,
     ) -> Result<Self> {
-        refuse_polygon(domain, "spectrum or radial")?;
+        refuse_polygon(domain, "spectrum, radial")?;
         let waves = waves.into();
         if let Some(grid) = waves.grid().filter(|grid| grid.dim() != domain.dim()) {
             let given = &grid.max_frequency()[..grid.dim()];

@@ -50,7 +50,8 @@ pub(super) fn inner_radius(polygon: &Polygon) -> f64 {
     let side = width.min(height);
     let (columns, rows) = ((width / side).ceil().min(1e3) as usize, (height / side).ceil().min(1e3) as usize);
     let half = 0.5 * (width / columns as f64).max(height / rows as f64);
-    let mut best: f64 = 0.0;
+    // In a box, the middle.
+    let mut best = polygon.depth([0.5 * width, 0.5 * height]).max(0.0);
     let mut waiting = BinaryHeap::new();
     let look = |center, half, best: &mut f64| {
         let (depth, square) = square(center, half);
