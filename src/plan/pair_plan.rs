@@ -215,7 +215,8 @@ impl PairPlan {
         let (n, sides, r) = (self.shape.mean_points, polygon.sides().len() as f64, self.bins.r_max());
         let ball: f64 = (0..self.bins.len()).map(|bin| self.bins.shell_measure(bin, 2)).sum();
         let pairs = 0.5 * n * (n - 1.0).max(0.0) * (ball / polygon.area()).min(1.0);
-        let outline: f64 = polygon.length();
+        // However jagged.
+        let outline = polygon.length().min(TAU * polygon.circumradius());
         match self.correction {
             Correction::None => 0.0,
             Correction::Border => n * sides * PER_SIDE,

@@ -376,7 +376,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --domain window",
             2,
-            "--domain window: needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+            "--domain window: needs --window x0,x1,y0,y1[,z0,z1] or --window-polygon FILE: a window is not guessed",
         ),
         (
             "analyze ok.csv --r-max 0.6",

@@ -59,14 +59,11 @@ impl<'a> PolygonWeights<'a> {
         let (cos, sin) = (h[0] / length, h[1] / length);
         // Along and across the lag.
         let turned = |p: [f64; 2]| [p[0] * cos + p[1] * sin, p[1] * cos - p[0] * sin];
-        let mut own = 0.0;
-        for &[from, to] in &self.ends {
-            own += (turned(to)[1] - turned(from)[1]).abs();
-        }
+        let ends: Vec<_> = self.ends.iter().map(|side| side.map(turned)).collect();
+        let own: f64 = ends.iter().map(|[from, to]| (to[1] - from[1]).abs()).sum();
         let mut overlaps = 0.0;
         for &(_, e, f) in self.near.iter().take_while(|near| near.0 < length) {
-            let [e, f] = [e, f].map(|k| self.ends[k as usize].map(turned));
-            overlaps += overlap(e, f, length);
+            overlaps += overlap(ends[e as usize], ends[f as usize], length);
         }
         let lost = 0.5 * length * own + overlaps;
         (self.area / (self.area - lost) * WEIGHT_STEPS).round_ties_even() as u64
@@ -114,7 +111,8 @@ impl<'a> PolygonWeights<'a> {
             let nearest = -(a[0] * d[0] + a[1] * d[1]) / length2;
             let cross = a[0] * d[1] - a[1] * d[0];
             let beyond = r2 - cross * cross / length2;
-            if !a_inside && !b_inside && !(beyond > 0.0 && nearest > 0.0 && nearest < 1.0) {
+            let crosses = beyond > 0.0 && nearest > 0.0 && nearest < 1.0;
+            if !(a_inside || b_inside || crosses) {
                 continue;
             }
             let chord = (beyond.max(0.0) / length2).sqrt();
