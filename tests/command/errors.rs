@@ -427,7 +427,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--weight-column size: needs pcf, k-function, spectrum, radial or covariance among --stats",
         ),
-        ("analyze trees.csv --stats k-function --class-column kind", 2, "--class-column kind: needs pcf among --stats"),
+        (
+            "analyze trees.csv --stats spectrum --class-column kind",
+            2,
+            "--class-column kind: needs pcf or k-function among --stats",
+        ),
         ("analyze trees.csv --class-column kind", 2, "--classes (none): expected two of the 3 classes: oak, elm, fir"),
         (
             "analyze trees.csv --class-column kind --classes oak,ash",

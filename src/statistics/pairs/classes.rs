@@ -4,28 +4,30 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
-use super::counts::identity;
+use super::counts::{Pairs, identity};
 use crate::accumulate::{ComputedBy, CrossCounts, PairCounts};
 use crate::compute::{Compute, Session};
 use crate::error::{Error, Result};
-use crate::estimate::{Analysis, CrossCorrelation};
+use crate::estimate::{Analysis, CrossCorrelation, CrossK};
 use crate::plan::{Batch, PairPlan};
 use crate::points::Ensemble;
 use crate::request::{Request, Statistic};
 use crate::setting::Setting;
 use crate::statistics::group::{Group, Subject};
 
-/// The two classes whose g is wanted.
+/// The two classes whose g or K is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Classes {
     names: [String; 2],
     numbers: [u32; 2],
     pairs: PairPlan,
+    /// Whether g is wanted, not only K.
+    pcf: bool,
 }
 
 impl Classes {
     /// Finds the classes asked for among `names`.
-    pub(super) fn new(request: &Request, names: &[String], pairs: &PairPlan) -> Result<Self> {
+    pub(super) fn new(request: &Request, names: &[String], pairs: &Pairs) -> Result<Self> {
         const SHOWN: usize = 20;
         let listed = || {
             let more = if names.len() > SHOWN { format!(" and {} more", names.len() - SHOWN) } else { String::new() };
@@ -47,14 +49,14 @@ impl Classes {
             (Some(_), _) => return fail("expected two classes, as in oak,elm".into()),
         };
         let names = numbers.map(|k| names[k as usize].clone());
-        Ok(Self { names, numbers, pairs: PairPlan { cumulative: false, ..pairs.clone() } })
+        Ok(Self { names, numbers, pairs: pairs.plan.clone(), pcf: pairs.pcf })
     }
 }
 
 impl Group for Classes {
     type Sums = CrossCounts;
 
-    const NAME: &'static str = "g of two classes";
+    const NAME: &'static str = "two classes";
     const STAGE: &'static str = "pair_counts (classes)";
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -105,7 +107,10 @@ impl Group for Classes {
 
     fn estimate(&self, sums: &CrossCounts, subject: &Subject<'_>, found: &mut Analysis) {
         let normalization = subject.request.normalization;
-        found.findings.insert(CrossCorrelation::new(self.names.clone(), &self.pairs, sums, normalization));
+        if self.pcf {
+            found.findings.insert(CrossCorrelation::new(self.names.clone(), &self.pairs, sums, normalization));
+        }
+        found.findings.add(CrossK::new(self.names.clone(), &self.pairs, sums, normalization));
     }
 }
 
