@@ -172,7 +172,10 @@ fn corrected_sums_equal_the_reference() {
                 ("linear", RadialBins::linear(r, 70).unwrap()),
                 ("log", RadialBins::logarithmic(1e-3 * r, r, 30).unwrap()),
                 ("given", RadialBins::from_edges(vec![0.1 * r, 0.2 * r, 0.200_000_001 * r, r]).unwrap()),
-                ("further out", RadialBins::from_edges((0..=50).map(|k| r * (0.5 + 0.01 * f64::from(k))).collect()).unwrap()),
+                (
+                    "further out",
+                    RadialBins::from_edges((0..=50).map(|k| r * (0.5 + 0.01 * f64::from(k))).collect()).unwrap(),
+                ),
                 ("tiny", RadialBins::linear(1e-9, 100).unwrap()),
             ] {
                 for masses in [false, true] {

@@ -490,3 +490,39 @@ fn cancelling_ends_it() {
     let ensemble = ensemble(&[uniform(2, 100, 1)]);
     assert!(neighbor_sums(&plan(&ensemble, None), &ensemble, &control).is_err());
 }
+
+/// The index is 1 for independent points and its z is standard normal, on tori and in a rectangle; a square lattice has 2.
+#[test]
+fn clark_evans_is_standard_for_independent_points() {
+    let rectangle = Domain::window(&[(3.0, 6.0), (-1.0, 1.0)]).unwrap();
+    let torus = Domain::torus(&[2.0, 1.0]).unwrap();
+    for (domain, n) in
+        [(Domain::unit_torus(1), 300), (torus, 300), (Domain::unit_torus(3), 300), (rectangle.clone(), 100)]
+    {
+        let sets: Vec<_> = (0..600).map(|i| scattered(&domain, n, 9000 + i)).collect();
+        let ensemble = Ensemble::from_raw(&sets, &domain, false, 0).unwrap();
+        let plan = NeighborPlan { bonds: false, ..plan(&ensemble, Some(&[0.0, 0.1])) };
+        let each = |k: usize| {
+            let one = ensemble.slice(k..k + 1);
+            Neighbors::new(&plan, &sums(&plan, &one), shape(&one)).clark_evans.unwrap()
+        };
+        let z: Vec<f64> = (0..600).map(|k| each(k).z).collect();
+        let mean = z.iter().sum::<f64>() / 600.0;
+        let variance = z.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / 599.0;
+        // Four standard errors of each; Donnelly's constants are known to 2 %.
+        assert!(
+            mean.abs() < 4.0 / 600f64.sqrt() && (variance - 1.0).abs() < 4.0 * (2.0 / 600f64).sqrt(),
+            "{mean} {variance}"
+        );
+        let all = Neighbors::new(&plan, &sums(&plan, &ensemble), shape(&ensemble)).clark_evans.unwrap();
+        assert!((all.index - 1.0).abs() < 4.0 * all.index_se.unwrap(), "{all:?}");
+        assert!((all.z - z.iter().sum::<f64>() / 600f64.sqrt()).abs() < 1e-9 && each(0).index_se.is_none());
+    }
+    let lattice: Vec<f64> = (0..64).flat_map(|i| [f64::from(i % 8) / 8.0, f64::from(i / 8) / 8.0]).collect();
+    let found = measure(&Domain::unit_torus(2), &[raw(2, lattice)]).clark_evans.unwrap();
+    assert!((found.index - 2.0).abs() < 1e-12 && found.z > 8.0, "{found:?}");
+    // No edge correction is known in three dimensions.
+    let box3 = Domain::window(&[(0.0, 1.0); 3]).unwrap();
+    assert_eq!(measure(&box3, &[scattered(&box3, 50, 1)]).clark_evans, None);
+    assert_eq!(measure(&rectangle, &[raw(2, vec![4.0, 0.0])]).clark_evans, None);
+}

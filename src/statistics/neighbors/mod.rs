@@ -62,6 +62,11 @@ impl Room for Here {
                 rows.push(("The smallest of each realization, mean".into(), mean));
             }
             rows.push(("Mean nearest-neighbour distance".into(), value(nn.mean, nn.mean_se, nn.mean_relative)));
+            if let Some(clark_evans) = &neighbors.clark_evans {
+                let index = with_error(clark_evans.index, clark_evans.index_se);
+                let text = format!("{index}; <i>z</i> = {} against independent points", human(clark_evans.z));
+                rows.push(("Clark–Evans index".into(), text));
+            }
             if let Ok(bonds) = &neighbors.bonds {
                 let [local, global] = [(bonds.local, bonds.local_se), (bonds.global, bonds.global_se)]
                     .map(|(value, se)| with_error(value, se));
@@ -102,6 +107,13 @@ impl Room for Here {
                 nn.mean_relative.map_or(String::new(), |r| format!(" ({} of the closest packing)", human(r)));
             let (minimum, mean) = (value(nn.minimum, None), value(nn.mean, nn.mean_se));
             lines.push(format!("nearest neighbour: smallest {minimum}, mean {mean}{relative}"));
+            if let Some(clark_evans) = &neighbors.clark_evans {
+                let index = with_error(clark_evans.index, clark_evans.index_se);
+                lines.push(format!(
+                    "Clark-Evans index {index}, z = {} against independent points",
+                    human(clark_evans.z)
+                ));
+            }
             if let Ok(bonds) = &neighbors.bonds {
                 let (local, global) =
                     (with_error(bonds.local, bonds.local_se), with_error(bonds.global, bonds.global_se));

@@ -2,12 +2,13 @@
 
 use serde::Serialize;
 
-use crate::estimate::{Analysis, BondOrder, ErrorSource, NeighborDistances};
+use crate::estimate::{Analysis, BondOrder, ClarkEvans, ErrorSource, NeighborDistances};
 
 #[derive(Serialize)]
 pub(super) struct NeighborsOut {
     #[serde(flatten)]
     distances: NeighborDistances,
+    clark_evans: Option<ClarkEvans>,
     functions: FunctionsOut,
     psi_6: Option<BondOrder>,
     psi_6_undefined: Option<&'static str>,
@@ -24,6 +25,7 @@ pub(super) struct FunctionsOut {
 pub(super) fn neighbors(a: &Analysis) -> Option<NeighborsOut> {
     a.neighbors().map(|n| NeighborsOut {
         distances: n.distances,
+        clark_evans: n.clark_evans,
         functions: FunctionsOut {
             distances: n.functions.r.len(),
             errors: n.functions.errors,
