@@ -37,7 +37,7 @@ pub use envelope::{Curve, Envelope, Envelopes};
 pub use k_function::KFunction;
 pub use lag_consistency::LagConsistency;
 pub use low_frequency::LowFrequency;
-pub use neighbors::{BondOrder, ClarkEvans, NeighborDistances, NeighborFunctions, Neighbors};
+pub use neighbors::{BondOrder, ClarkEvans, CrossNeighbors, NeighborDistances, NeighborFunctions, Neighbors};
 pub use pair_correlation::{Normalization, PairCorrelation};
 pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;

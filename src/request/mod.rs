@@ -230,9 +230,9 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long))]
     pub beyond_half: bool,
 
-    /// The two classes whose g and K are wanted
+    /// The two classes whose g, K and neighbours are wanted
     ///
-    /// The two classes whose g and K are wanted, as a line of CSV.
+    /// The two classes whose g, K and neighbours are wanted, as a line of CSV.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B"))]
     pub classes: Option<String>,
 

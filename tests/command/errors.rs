@@ -318,7 +318,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--correction translation: a torus has no edges; use none",
         ),
-        ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf or k-function among --stats"),
+        ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf, k-function or neighbors among --stats"),
         (
             "analyze ok.csv --stats pcf --max-frequency 3",
             2,

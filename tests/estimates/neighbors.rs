@@ -4,10 +4,10 @@
 //! figures of spatstat and freud, and shows that the comparison with a closed form would notice missing edge correction.
 
 use crate::common::*;
-use pairwave::accumulate::NeighborSums;
+use pairwave::accumulate::{CrossNeighborSums, NeighborSums};
 use pairwave::compute::neighbors::neighbor_sums;
 use pairwave::control::Control;
-use pairwave::estimate::{ErrorSource, Neighbors};
+use pairwave::estimate::{CrossNeighbors, ErrorSource, Neighbors};
 use pairwave::plan::{NeighborPlan, RadialBins};
 use pairwave::points::read::{ReadOptions, read_all};
 use pairwave::points::{Domain, Ensemble, RawPoints};
@@ -525,4 +525,46 @@ fn clark_evans_is_standard_for_independent_points() {
     let box3 = Domain::window(&[(0.0, 1.0); 3]).unwrap();
     assert_eq!(measure(&box3, &[scattered(&box3, 50, 1)]).clark_evans, None);
     assert_eq!(measure(&rectangle, &[raw(2, vec![4.0, 0.0])]).clark_evans, None);
+}
+
+/// G between two classes against a loop over the points of each, and J = 1 between independent classes.
+#[test]
+fn g_and_j_of_two_classes_are_their_definitions() {
+    let torus = Domain::torus(&[2.0, 1.0]).unwrap();
+    let sets: Vec<_> = (0..40).map(|i| scattered(&torus, 150, 700 + i)).collect();
+    let e = Ensemble::from_raw(&sets, &torus, false, 0).unwrap();
+    let e = e.with_classes((0..150 * 40).map(|j| u32::from(j % 3 == 0)).collect());
+    let edges: Vec<f64> = (0..=20).map(|k| 0.01 * f64::from(k)).collect();
+    let plan = NeighborPlan { bonds: false, ..plan(&e, Some(&edges)) };
+    let of = |classes| sums(&NeighborPlan { classes: Some(classes), ..plan.clone() }, &e);
+    let sums = CrossNeighborSums([[0, 0], [1, 1], [0, 1], [1, 0]].map(of));
+    let found = CrossNeighbors::new(["oak".into(), "elm".into()], &plan, &sums);
+    for ([from, to], functions) in [[0, 0], [1, 1], [0, 1], [1, 0]].into_iter().zip(found.each().map(|(_, f)| f)) {
+        let (mut below, mut all) = (vec![0.0; edges.len()], 0.0);
+        for k in 0..40 {
+            let at = |j: usize| e.position(k, j);
+            let of = |class: u32| (0..150).filter(move |j| u32::from(j % 3 == 0) == class);
+            for i in of(from) {
+                let distance = |j: usize| {
+                    let along =
+                        |a: usize, side: f64| ((at(i)[a] - at(j)[a]).abs()).min(side - (at(i)[a] - at(j)[a]).abs());
+                    along(0, 2.0).hypot(along(1, 1.0))
+                };
+                let nearest = of(to).filter(|&j| j != i).map(distance).fold(f64::INFINITY, f64::min);
+                all += 1.0;
+                edges.iter().zip(&mut below).for_each(|(r, below)| *below += f64::from(u8::from(nearest < *r)));
+            }
+        }
+        for (i, below) in below.iter().enumerate() {
+            assert!((functions.g[i].unwrap() - below / all).abs() < 1e-12, "{from} {to} at {}", edges[i]);
+            let poisson = functions.poisson[i];
+            let [g, f] =
+                [(&functions.g, &functions.g_se), (&functions.f, &functions.f_se)].map(|(y, se)| (y[i], se[i]));
+            for (value, se) in [g, f].map(|(y, se)| (y.unwrap(), se.unwrap())) {
+                // n of a class is fixed: no more than 1/n off the Poisson one.
+                assert!((value - poisson).abs() < 4.0 * se + 0.02, "{value} {poisson} {se}");
+            }
+        }
+        assert!((functions.j[8].unwrap() - 1.0).abs() < 0.05, "{:?}", functions.j[8]);
+    }
 }

@@ -2,11 +2,13 @@
 
 mod bonds;
 mod clark_evans;
+mod cross;
 mod distances;
 mod functions;
 
 pub use bonds::BondOrder;
 pub use clark_evans::ClarkEvans;
+pub use cross::CrossNeighbors;
 pub use distances::NeighborDistances;
 pub use functions::NeighborFunctions;
 

@@ -1,5 +1,6 @@
 //! Nearest neighbours: distances, G, F and J, and bond order.
 
+mod classes;
 mod figures;
 mod summary;
 mod sums;
@@ -35,13 +36,21 @@ impl Room for Here {
         const {
             &[
                 Output::table("neighbor_functions.csv", tables::functions),
+                Output::table("neighbor_functions_cross.csv", tables::cross),
                 Output::figure("neighbor_functions.svg", figures::functions, "Nearest neighbours", figures::caption),
+                Output::figure(
+                    "neighbor_functions_cross.svg",
+                    figures::cross,
+                    "Nearest neighbours of two classes",
+                    figures::cross_caption,
+                ),
             ]
         }
     }
 
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
-        keys.add("neighbors", &summary::neighbors(a))
+        keys.add("neighbors", &summary::neighbors(a))?;
+        keys.add("cross_neighbors", &summary::cross(a))
     }
 
     fn scalars(&self, a: &Analysis) -> Vec<Row> {

@@ -21,6 +21,18 @@ pub(super) struct FunctionsOut {
     test_points: u64,
 }
 
+#[derive(Serialize)]
+pub(super) struct CrossOut<'a> {
+    /// As in the names of columns.
+    classes: &'a [String; 2],
+    errors: ErrorSource,
+}
+
+/// Of two classes.
+pub(super) fn cross(a: &Analysis) -> Option<CrossOut<'_>> {
+    a.cross_neighbors().map(|c| CrossOut { classes: &c.classes, errors: c.from_a.errors })
+}
+
 /// Of distances, functions and bonds.
 pub(super) fn neighbors(a: &Analysis) -> Option<NeighborsOut> {
     a.neighbors().map(|n| NeighborsOut {
