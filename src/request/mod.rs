@@ -130,6 +130,13 @@ pub struct PointsRequest {
     #[cfg_attr(feature = "cli", arg(long, value_name = "COLUMN"))]
     pub class_column: Option<String>,
 
+    /// Files of simulated points, for envelopes; may be repeated
+    ///
+    /// Files, directories or quoted patterns of simulated points, for pointwise and global envelopes, read as the points are;
+    /// may be repeated. Each realization in them is a simulation, or as many in a row as the points have.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILES"))]
+    pub envelope_from: Vec<PathBuf>,
+
     /// What happens at the sides
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub domain: Option<Boundary>,

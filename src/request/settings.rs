@@ -78,7 +78,7 @@ pub struct Row {
 
 /// Statistics of pairs, by distance.
 const PAIRS: &[Statistic] = &[Pcf, KFunction];
-/// Statistics of two classes.
+/// Statistics of two classes, and those with envelopes.
 const OF_CLASSES: &[Statistic] = &[Pcf, KFunction, Neighbors];
 /// Statistics of frequencies.
 const WAVES: &[Statistic] = &[Spectrum, Radial];
@@ -111,7 +111,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 48] = [
+pub static SETTINGS: [Row; 49] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -127,6 +127,8 @@ pub static SETTINGS: [Row; 48] = [
     row!(WeightColumn, "--weight-column", input.weight_column, Points, conflicts: &[Setting::Sampler],
         statistics: &[Pcf, KFunction, Spectrum, Radial, Covariance], refused: Some("has no weights of points")),
     row!(ClassColumn, "--class-column", input.class_column, Points, conflicts: &[Setting::Sampler], statistics: OF_CLASSES),
+    row!(EnvelopeFrom, "--envelope-from", input.envelope_from, Points, conflicts: &[Setting::Envelope],
+        statistics: OF_CLASSES),
     row!(Domain, "--domain", input.domain, Domain, otherwise: "torus; window with `window`"),
     row!(Sides, "--box", input.sides, Domain, usual: true, otherwise: "1 each"),
     row!(Window, "--window", input.window, Domain, usual: true, conflicts: &[Setting::Sides, Setting::Sampler]),

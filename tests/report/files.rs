@@ -227,7 +227,7 @@ fn envelopes(a: &Analysis, simulations: u64) -> Envelopes {
     let curve = |s| g.r.iter().enumerate().map(|(k, _)| 0.9 + 0.2 * Rng(1000 * s + k as u64).unit()).collect();
     let simulated: Vec<Vec<f64>> = (0..simulations).map(curve).collect();
     let observed = Curve { name: "g", r: g.r.clone(), values: g.g.clone() };
-    Envelopes { simulations, curves: vec![Envelope::new(observed, &simulated)] }
+    Envelopes { simulations, given: None, curves: vec![Envelope::new(observed, &simulated)] }
 }
 
 /// P = 0 everywhere, and with it no anisotropy.

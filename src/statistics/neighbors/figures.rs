@@ -26,9 +26,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
     let at: Vec<_> = intervals().collect();
     let envelopes = analysis.envelopes();
-    let random = |name, label| envelopes.and_then(|e| e.find(name)).map(|e| global_band(label, &at, e));
+    let random = |name, of| envelopes.and_then(|e| e.find(name)).map(|e| global_band(analysis, of, &at, e));
     let mut layers = Vec::new();
-    layers.extend(random("neighbor_g", "G of random, global"));
+    layers.extend(random("neighbor_g", "G of "));
     layers.extend([
         Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
         Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },

@@ -28,7 +28,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let envelope = analysis.envelopes().and_then(|e| e.find("g"));
     let intervals: Vec<_> = samples.all.iter().map(|s| s.interval).collect();
-    layers.extend(envelope.map(|e| global_band("random, global", &intervals, e)));
+    layers.extend(envelope.map(|e| global_band(analysis, "", &intervals, e)));
     layers.extend([
         Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(samples.bands()) },
         Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
@@ -177,7 +177,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let defined = |&(l, se): &(f64, f64)| l.is_finite().then_some((l - se, l + se));
     let mut layers = vec![Layer::Level { name: "random: L = r".into(), y: 0.0 }];
-    layers.extend(random.map(|e| global_band("random, global", &intervals, e)));
+    layers.extend(random.map(|e| global_band(analysis, "", &intervals, e)));
     layers.extend([
         Layer::Band {
             name: "±1 s.e.".into(),
