@@ -53,6 +53,8 @@ settings! {
     WeightColumn = "weight_column",
     /// Column of classes.
     ClassColumn = "class_column",
+    /// Files of simulations for envelopes.
+    EnvelopeFrom = "envelope_from",
     /// Torus or window.
     Domain = "domain",
     /// Sides of the torus.

@@ -17,7 +17,8 @@ pub use encode::{Decoder, Encoder};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
 pub use neighbor_sums::{
-    Bonds, COUNT_STEPS, Distances, DistributionCounts, DistributionSums, NeighborSums, NoBonds, RealizationNeighbors,
+    Bonds, COUNT_STEPS, CrossNeighborSums, Distances, DistributionCounts, DistributionSums, NeighborSums, NoBonds,
+    RealizationNeighbors,
 };
 pub use ordered_sum::OrderedSum;
 pub use pair_counts::{BorderHistogram, CrossCounts, Norm, PairCounts, PairHistogram, Ratios, Steps, WEIGHT_STEPS};

@@ -217,6 +217,37 @@ impl NeighborSums {
     }
 }
 
+/// Nearest-neighbour statistics of two classes A and B: within A, within B, from A to B, and from B to A.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CrossNeighborSums(pub [NeighborSums; 4]);
+
+/// Names of its parts.
+const PARTS: [&str; 4] = ["a", "b", "from_a", "from_b"];
+
+impl Sums for CrossNeighborSums {
+    fn merge(&mut self, other: Self) -> Result<()> {
+        self.0.iter_mut().zip(&other.0).try_for_each(|(a, b)| a.merge(b))
+    }
+
+    fn computed_by(&self) -> Option<&ComputedBy> {
+        None
+    }
+
+    fn encode(&self, out: &mut Encoder) {
+        for (name, part) in PARTS.into_iter().zip(&self.0) {
+            out.within(name, |out| part.encode(out));
+        }
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+        let mut parts = Self::default();
+        for (name, part) in PARTS.into_iter().zip(&mut parts.0) {
+            *part = from.within(name, NeighborSums::decode)?;
+        }
+        Ok(parts)
+    }
+}
+
 impl DistributionSums {
     fn encode(&self, name: &str, out: &mut Encoder) {
         out.within(name, |out| {

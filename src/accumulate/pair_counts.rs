@@ -266,6 +266,15 @@ impl PairCounts {
             // Each is rounded where points have weights.
             |bin| [pairs(both, bin).saturating_sub(pairs(a, bin) + pairs(b, bin)); 2],
         );
+        let each = [both, a, b].map(|counts| counts.cumulative.as_ref());
+        if let (Some(cumulative), [Some(both), Some(a), Some(b)]) = (&mut self.cumulative, each) {
+            let pairs = |of: &Ratios, bin: usize| of.norm(bin)[0].sum;
+            cumulative.add_values(
+                self.steps,
+                |bin| both.sums[bin] - a.sums[bin] - b.sums[bin],
+                |bin| [pairs(both, bin).saturating_sub(pairs(a, bin) + pairs(b, bin)); 2],
+            );
+        }
     }
 
     /// Adds other realizations of the same process, counted in the same bins by the same method.

@@ -1,4 +1,4 @@
-//! Envelopes: the same measurement on complete spatial randomness, many times.
+//! Envelopes: the same measurement on complete spatial randomness, or on simulations given, many times.
 
 use std::sync::Arc;
 
@@ -8,9 +8,9 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64_with_seed};
 use super::Measurement;
 use crate::compute::Device;
 use crate::control::{Control, Progress};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::estimate::{Analysis, Curve, Envelope, Envelopes};
-use crate::points::{Domain, Ensemble, RawPoints};
+use crate::points::{Domain, Ensemble, EnsembleShape, RawPoints};
 use crate::samplers::{self, ParameterValues, Realization};
 use crate::source::Points;
 use crate::statistics::ROOMS;
@@ -44,22 +44,35 @@ pub(super) async fn envelopes(
         let before = 1.0 - piece * (simulations - s) as f64;
         progress(Progress { stage: "envelope", done: s, total: simulations, before, piece, planned });
         let (of, n) = (domain.clone(), sizes.clone());
-        let draw = move |range: std::ops::Range<u64>| {
-            random(
+        let random = move |range: std::ops::Range<u64>| {
+            csr(
                 &of,
                 xxh3_64_with_seed(&s.to_le_bytes(), drawn_for),
                 range.start,
                 &n[range.start as usize..range.end as usize],
             )
         };
-        let source = Points::drawn("simulation", domain.clone(), observed.shape(), Box::new(draw));
+        let k = sizes.len() as u64;
+        let (points, quiet) = (observed.source.clone(), Control::default());
+        let given = move |range: std::ops::Range<u64>| {
+            let simulations = points.simulations().ok_or_else(|| Error::input("simulations", "there are none"))?;
+            Ok(simulations.batch(s * k + range.start..s * k + range.end, &quiet)?.numbered_from(range.start))
+        };
+        let source = match observed.source.simulations() {
+            Some(simulations) => {
+                let shape = EnsembleShape { realizations: k, ..simulations.shape() };
+                Points::drawn("simulation", domain.clone(), shape, Box::new(given))
+            }
+            None => Points::drawn("simulation", domain.clone(), observed.shape(), Box::new(random)),
+        };
         let mut simulation = Measurement::new(observed.request.clone(), Arc::new(source), plan.clone());
         while simulation.advance(device, control, &mut |_| ()).await? {}
         let curves = simulation.estimates().map_or(Vec::new(), |found| curves(&found));
         simulated.iter_mut().zip(curves).for_each(|(all, curve)| all.push(curve.values));
     }
     let curves = observed_curves.into_iter().zip(simulated).map(|(curve, all)| Envelope::new(curve, &all)).collect();
-    Ok(Envelopes { simulations, curves })
+    let given = observed.source.simulations().map(|simulations| simulations.subject().to_string());
+    Ok(Envelopes { simulations, given, curves })
 }
 
 /// What simulations are drawn for: the first realization, and the seed asked for.
@@ -75,7 +88,7 @@ fn data_digest(observed: &Measurement) -> u64 {
 }
 
 /// Realizations `first..` of complete spatial randomness, of the given sizes.
-fn random(domain: &Domain, seed: u64, first: u64, sizes: &[u64]) -> Result<Ensemble> {
+fn csr(domain: &Domain, seed: u64, first: u64, sizes: &[u64]) -> Result<Ensemble> {
     let sampler = samplers::find("random")?;
     let values = ParameterValues::defaults(sampler)?;
     let dim = domain.dim();

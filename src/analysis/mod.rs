@@ -77,6 +77,7 @@ impl Measurement {
             let envelopes = envelope::envelopes(self, &found, device, control, progress).await?;
             self.clock.add("envelope", start.elapsed().as_secs_f64());
             found.timings.push(("envelope", start.elapsed().as_secs_f64()));
+            found.warnings.extend(envelopes.too_few());
             found.findings.insert(envelopes);
         }
         Ok(found)

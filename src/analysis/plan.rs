@@ -20,10 +20,12 @@ pub struct Plan {
     pub(super) parts: Parts,
     /// The files of numbers that the request names, as they were read.
     pub(super) lists: Lists,
-    /// Simulations of complete spatial randomness, for envelopes.
+    /// Simulations for envelopes: drawn from complete spatial randomness, or given.
     pub(super) simulations: u64,
     /// What of the default is not measured, and why.
     pub(super) left_out: Option<&'static str>,
+    /// Whether they were given.
+    pub(super) simulations_given: bool,
     /// Realizations worked on at a time.
     pub(super) batch: u64,
     /// Number and size of all realizations.
@@ -39,7 +41,11 @@ impl Plan {
     /// # Errors
     /// Settings that cannot be, contradict each other or say nothing about what is asked for; too few points.
     pub fn of(request: &Request, source: &Points) -> Result<Self> {
-        let plan = Self::with(request, source.domain(), source.shape(), source.classes(), Lists::default())?;
+        let mut plan = Self::with(request, source.domain(), source.shape(), source.classes(), Lists::default())?;
+        if let Some(simulations) = source.simulations() {
+            plan.simulations = simulations_given(&plan, simulations, source.shape().realizations)?;
+            plan.simulations_given = true;
+        }
         let pairs = [Statistic::Pcf, Statistic::KFunction].iter().any(|s| request.stats.contains(s));
         if let Some(column) = request.input.weight_column.as_ref().filter(|_| pairs) {
             source.check_pair_weights(column)?;
@@ -74,13 +80,16 @@ impl Plan {
             room.plan(&ask, &mut parts)?;
         }
         let batch = parts.iter().map(|part| part.batch().realizations).min().unwrap_or(1);
-        let simulations = simulations(request, parts.iter().map(|part| part.curve_values()).sum::<usize>() as u64)?;
+        let simulations = match request.envelope {
+            Some(simulations) => check_simulations(&parts, simulations, Setting::Envelope)?,
+            None => 0,
+        };
         if let (Some(n), Some(column)) = (request.envelope, &request.input.weight_column) {
             let reason =
                 format!("simulated points would have no weights, those of the file have (`weight_column` {column})");
             return Err(Error::setting(Setting::Envelope, n, reason));
         }
-        Ok(Self { parts, lists, simulations, left_out, batch, shape })
+        Ok(Self { parts, lists, simulations, simulations_given: false, left_out, batch, shape })
     }
 
     /// What was read of the files of numbers that the request names, in a line; none if they were given otherwise.
@@ -124,15 +133,27 @@ fn available<'a>(request: &'a Request, domain: &Domain) -> (Cow<'a, Request>, Op
     (Cow::Owned(Request { stats, ..request.clone() }), Some(word))
 }
 
-/// The number of simulations asked for, of curves with so many values.
-fn simulations(request: &Request, values: u64) -> Result<u64> {
-    let Some(simulations) = request.envelope else { return Ok(0) };
+/// The number of simulations, of curves with so many values that they can be held.
+fn check_simulations(parts: &Parts, simulations: u64, setting: Setting) -> Result<u64> {
+    let values = parts.iter().map(|part| part.curve_values()).sum::<usize>() as u64;
     let largest = MAX_SIMULATED / values.max(1) - 1;
     if (1..=largest).contains(&simulations) {
         return Ok(simulations);
     }
     let reason = format!("expected 1 to {largest} simulations of {values} values each");
-    Err(Error::setting(Setting::Envelope, simulations, reason))
+    Err(Error::setting(setting, simulations, reason))
+}
+
+/// The number of simulations among those given, each of as many realizations as the points have.
+fn simulations_given(plan: &Plan, given: &Points, realizations: u64) -> Result<u64> {
+    let all = given.shape().realizations;
+    if !all.is_multiple_of(realizations) {
+        let reason = format!(
+            "{all} realizations are no whole number of simulations of {realizations} realizations, as many as the points have"
+        );
+        return Err(Error::setting(Setting::EnvelopeFrom, given.subject(), reason));
+    }
+    check_simulations(&plan.parts, all / realizations, Setting::EnvelopeFrom)
 }
 
 /// Whether the realizations hold enough points for pairs, or for anything.
@@ -176,7 +197,8 @@ impl fmt::Display for Plan {
         }
         if self.simulations > 0 {
             let n = self.simulations;
-            writeln!(f, "envelope: {n} simulations of complete spatial randomness, each with all the pairs above")?;
+            let of = if self.simulations_given { "given" } else { "of complete spatial randomness" };
+            writeln!(f, "envelope: {n} simulations {of}, each with all the pairs above")?;
         }
         let measured: Vec<Statistic> = self.parts.iter().flat_map(|part| part.statistics()).collect();
         // Rings are read off the sums of P.

@@ -1,7 +1,7 @@
-//! Pair counts of two classes of points -> g within each and between them.
+//! Pair counts of two classes of points -> g and K within each and between them.
 
 use super::Analysis;
-use super::{Normalization, PairCorrelation};
+use super::{KFunction, Normalization, PairCorrelation};
 use crate::accumulate::CrossCounts;
 use crate::plan::PairPlan;
 
@@ -30,7 +30,43 @@ impl CrossCorrelation {
     }
 }
 
+/// `K_AB(r) = |D| sum_k C_AB / sum_k n_A n_B`: `lambda_B K_AB(r)` is the mean number of points of B within r of a point of
+/// A, `b r^d` (the measure of a ball) if A and B are independent (Lotwick and Silverman 1982; Illian et al. 2008, section
+/// 4.3.4), with L as for one class. How many points a class has is not kept: `neighbors` of these are empty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrossK {
+    /// The names of the classes.
+    pub classes: [String; 2],
+    /// K of A alone.
+    pub a: KFunction,
+    /// K of B alone.
+    pub b: KFunction,
+    /// K between A and B, the same in both directions.
+    pub between: KFunction,
+}
+
+impl CrossK {
+    /// The estimates, `None` if the counts hold no cumulative sums. Within a class too small for pairs K is NaN.
+    pub fn new(
+        classes: [String; 2],
+        plan: &PairPlan,
+        counts: &CrossCounts,
+        normalization: Normalization,
+    ) -> Option<Self> {
+        let k = |counts| {
+            let k = KFunction::new(plan, counts, normalization, f64::NAN)?;
+            Some(KFunction { neighbors: Vec::new(), ..k })
+        };
+        Some(Self { classes, a: k(&counts.a)?, b: k(&counts.b)?, between: k(&counts.between)? })
+    }
+}
+
 impl Analysis {
+    /// K of two classes of points, and between them.
+    pub fn cross_k(&self) -> Option<&CrossK> {
+        self.get()
+    }
+
     /// g of two classes of points, and between them.
     pub fn cross(&self) -> Option<&CrossCorrelation> {
         self.get()

@@ -15,6 +15,9 @@ pub struct Curve {
     pub values: Vec<f64>,
 }
 
+/// The level of a global envelope, where there are simulations enough.
+const LEVEL: f64 = 0.05;
+
 /// The observed curve among N simulated ones: what a pattern with no correlation at all looks like.
 ///
 /// With `N + 1` curves in all, ranks at each r count from the nearer end (from 1; ties share the mean rank). A curve's
@@ -58,7 +61,7 @@ impl Envelope {
             end += tied.len();
             tied.iter().for_each(|&curve| p[curve] = share(end));
         }
-        let alpha = share(1).max(0.05);
+        let alpha = share(1).max(LEVEL);
         let kept: Vec<&[f64]> = all.iter().zip(&p).filter(|(_, p)| **p > alpha).map(|(curve, _)| *curve).collect();
         let (pointwise, global) = (hull(&all[1..], observed.r.len()), hull(&kept, observed.r.len()));
         Self { observed, pointwise, global, alpha, p: p[0], p_interval }
@@ -103,6 +106,8 @@ fn hull(curves: &[&[f64]], len: usize) -> [Vec<f64>; 2] {
 pub struct Envelopes {
     /// Number of simulations.
     pub simulations: u64,
+    /// Where they come from, if they were given; else they are of complete spatial randomness.
+    pub given: Option<String>,
     /// One per curve.
     pub curves: Vec<Envelope>,
 }
@@ -113,6 +118,19 @@ impl Envelopes {
         2.0 / (self.simulations as f64 + 1.0)
     }
 
+    /// What the user should know of so few of them.
+    pub fn too_few(&self) -> Option<String> {
+        let least = 1.0 / (self.simulations as f64 + 1.0);
+        (least > LEVEL).then(|| {
+            format!(
+                "envelope: no p-value of {} simulations is below {least:.2}: the global envelope is at that level, and the \
+                 {LEVEL} level needs {:.0} simulations",
+                self.simulations,
+                1.0 / LEVEL - 1.0
+            )
+        })
+    }
+
     /// The envelope of a curve.
     pub fn find(&self, name: &str) -> Option<&Envelope> {
         self.curves.iter().find(|e| e.observed.name == name)
@@ -120,7 +138,7 @@ impl Envelopes {
 }
 
 impl Analysis {
-    /// Envelopes of complete spatial randomness.
+    /// Envelopes of simulations.
     pub fn envelopes(&self) -> Option<&Envelopes> {
         self.get()
     }

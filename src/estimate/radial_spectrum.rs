@@ -18,6 +18,11 @@ pub struct Ring {
     pub m: f64,
     /// Upper end.
     pub nu_hi: f64,
+    /// Mean frequency `|m / L|` of its members, in cycles per unit length: the label is the middle of the ring, which few
+    /// lattice points need lie about.
+    pub nu_mean: f64,
+    /// The same in units of the fundamental, as `m` is.
+    pub m_mean: f64,
     /// Modes of the whole grid in the ring.
     pub modes: u64,
     /// Half of them: P(-m) = P(m).
@@ -59,6 +64,7 @@ impl RadialSpectrum {
         let modes = |k: usize| plan.rings.modes[k] as f64;
         let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| ordinates(plan, k));
         let p_se = without_dc(plan, power, spectrum, &p, p_se);
+        let nu_mean = mean_frequencies(plan);
         let spread = spread(plan, &spectrum.p, &p);
         let realizations = realizations(power);
         let averaged = realizations.effective * plan.tapers();
@@ -80,6 +86,8 @@ impl RadialSpectrum {
                     nu,
                     m: whole(nu / plan.rings.fundamental),
                     nu_hi,
+                    nu_mean: nu_mean[k],
+                    m_mean: nu_mean[k] / plan.rings.fundamental,
                     modes: plan.rings.modes[k],
                     independent_modes: independent,
                     p: p[k],
@@ -107,6 +115,19 @@ impl RadialSpectrum {
             errors: ErrorSource::of(power.realizations),
         }
     }
+}
+
+/// Per ring, the mean of `|m / L|` over its members.
+fn mean_frequencies(plan: &WavePlan) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); plan.rings.count];
+    for (index, &ring) in plan.rings.ring_of.iter().enumerate().filter(|(_, ring)| **ring > 0) {
+        let m = plan.waves.vector(index);
+        let squared: f64 = m.iter().zip(plan.domain.sides()).map(|(m, side)| (m / side).powi(2)).sum();
+        let (sum, members) = &mut sums[ring as usize - 1];
+        *sum += f64::from(plan.rings.times[index]) * squared.sqrt();
+        *members += f64::from(plan.rings.times[index]);
+    }
+    sums.into_iter().map(|(sum, members)| sum / members).collect()
 }
 
 /// `x` without the rounding of a product divided again.

@@ -22,6 +22,9 @@ pub struct NeighborPlan {
     pub probes: ProbeLattice,
     /// Whether bonds are wanted.
     pub bonds: bool,
+    /// From points of the first class to the nearest, other than itself, of the second, and from the test points to those of
+    /// the second; all points where there are none.
+    pub classes: Option<[u32; 2]>,
     /// Realizations worked on at a time.
     pub batch: Batch,
 }
@@ -52,6 +55,7 @@ impl NeighborPlan {
             thresholds: bins.thresholds(domain)?,
             probes: ProbeLattice::new(domain, shape),
             bonds: domain.as_polygon().is_none(),
+            classes: None,
             batch,
         })
     }

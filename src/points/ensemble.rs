@@ -170,6 +170,11 @@ impl Ensemble {
         self.offsets.len() - 1
     }
 
+    /// The same realizations, counted from another index in the batch.
+    pub(crate) fn numbered_from(self, first_index: u64) -> Self {
+        Self { first_index, ..self }
+    }
+
     /// Index of the first of them in the whole batch.
     pub fn first_index(&self) -> u64 {
         self.first_index

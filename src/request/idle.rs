@@ -122,7 +122,7 @@ mod tests {
     const LINES: [&str; 5] = [
         "--r-max 0.1 --bins 9 --bin-scale log --beyond-half --kernel gaussian --bandwidth 0.01 --divisor d --exact-kernel \
          --class-column c --classes A,B --correction none --envelope 9 --lag-bins 8 --lag-max 0.1 --lag-rings 0.1 x",
-        "--edges e.txt --weight-column w --max-frequency 3 --sectors 4 --covariance-frequency 2 x",
+        "--edges e.txt --weight-column w --envelope-from s --max-frequency 3 --sectors 4 --covariance-frequency 2 x",
         "--frequencies f.txt --taper sine --tapers 2 --debias none --window 0,1,0,1 x",
         "--ring-directions 5 --convention utk x",
         "--convention psa --bug-compatible x",

@@ -130,6 +130,13 @@ pub struct PointsRequest {
     #[cfg_attr(feature = "cli", arg(long, value_name = "COLUMN"))]
     pub class_column: Option<String>,
 
+    /// Files of simulated points, for envelopes; may be repeated
+    ///
+    /// Files, directories or quoted patterns of simulated points, for pointwise and global envelopes, read as the points are;
+    /// may be repeated. Each realization in them is a simulation, or as many in a row as the points have.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILES"))]
+    pub envelope_from: Vec<PathBuf>,
+
     /// What happens at the sides
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub domain: Option<Boundary>,
@@ -237,9 +244,9 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long))]
     pub beyond_half: bool,
 
-    /// The two classes whose g is wanted
+    /// The two classes whose g, K and neighbours are wanted
     ///
-    /// The two classes whose g is wanted, as a line of CSV.
+    /// The two classes whose g, K and neighbours are wanted, as a line of CSV.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B"))]
     pub classes: Option<String>,
 

@@ -78,6 +78,8 @@ pub struct Row {
 
 /// Statistics of pairs, by distance.
 const PAIRS: &[Statistic] = &[Pcf, KFunction];
+/// Statistics of two classes, and those with envelopes.
+const OF_CLASSES: &[Statistic] = &[Pcf, KFunction, Neighbors];
 /// Statistics of frequencies.
 const WAVES: &[Statistic] = &[Spectrum, Radial];
 /// Why a program refuses settings of bins.
@@ -109,7 +111,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 49] = [
+pub static SETTINGS: [Row; 50] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -124,7 +126,9 @@ pub static SETTINGS: [Row; 49] = [
     row!(RealizationColumn, "--realization-column", input.realization_column, Points, conflicts: &[Setting::Sampler]),
     row!(WeightColumn, "--weight-column", input.weight_column, Points, conflicts: &[Setting::Sampler],
         statistics: &[Pcf, KFunction, Spectrum, Radial, Covariance], refused: Some("has no weights of points")),
-    row!(ClassColumn, "--class-column", input.class_column, Points, conflicts: &[Setting::Sampler], statistics: &[Pcf]),
+    row!(ClassColumn, "--class-column", input.class_column, Points, conflicts: &[Setting::Sampler], statistics: OF_CLASSES),
+    row!(EnvelopeFrom, "--envelope-from", input.envelope_from, Points, conflicts: &[Setting::Envelope],
+        statistics: OF_CLASSES),
     row!(Domain, "--domain", input.domain, Domain, otherwise: "torus; window with `window`"),
     row!(Sides, "--box", input.sides, Domain, usual: true, otherwise: "1 each"),
     row!(Window, "--window", input.window, Domain, usual: true, conflicts: &[Setting::Sides, Setting::Sampler]),
@@ -147,7 +151,7 @@ pub static SETTINGS: [Row; 49] = [
     row!(Correction, "--correction", correction, Distances, usual: true, statistics: &[Pcf, KFunction, PcfVector],
         otherwise: "translation in a window, none on a torus"),
     row!(BeyondHalf, "--beyond-half", beyond_half, Distances, statistics: PAIRS, refused: OWN_BINS),
-    row!(Classes, "--classes", classes, Distances, needs: Some(Setting::ClassColumn), statistics: &[Pcf],
+    row!(Classes, "--classes", classes, Distances, needs: Some(Setting::ClassColumn), statistics: OF_CLASSES,
         otherwise: "the two there are"),
     row!(LagBins, "--lag-bins", lag_bins, Lags, usual: true, statistics: &[PcfVector], default: Some("64")),
     row!(LagMax, "--lag-max", lag_max, Lags, usual: true, statistics: &[PcfVector],

@@ -214,6 +214,7 @@ impl<'a> FirstPass<'a> {
             "wrap": request.wrap,
         });
         Ok(Points {
+            simulations: None,
             subject,
             domain,
             shape: EnsembleShape::of(&sizes),

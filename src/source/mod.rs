@@ -43,6 +43,8 @@ pub struct Points {
     input: Option<Input>,
     /// What the user should know about that.
     warnings: Vec<String>,
+    /// Simulations that they are compared with, if some were given.
+    simulations: Option<Box<Points>>,
     kind: Kind,
 }
 
@@ -64,6 +66,32 @@ impl Points {
     /// # Errors
     /// Files that cannot be read, points outside the domain, settings that contradict each other: each by its place.
     pub fn open(request: &PointsRequest) -> Result<Self> {
+        let mut points = Self::open_subject(request)?;
+        if let Some(from) = request.envelope_from.first() {
+            let of_files = PointsRequest {
+                files: request.envelope_from.clone(),
+                envelope_from: Vec::new(),
+                sampler: None,
+                points: None,
+                realizations: None,
+                dim: None,
+                seed: None,
+                params: Vec::new(),
+                class_column: None,
+                ..request.clone()
+            };
+            let simulations = Self::open_subject(&of_files)?;
+            if simulations.domain != points.domain {
+                let reason = format!("the simulations are in {}, the points in {}", simulations.domain, points.domain);
+                return Err(Error::setting(Setting::EnvelopeFrom, from.display(), reason));
+            }
+            points.warnings.extend(simulations.warnings.iter().map(|warning| format!("simulations: {warning}")));
+            points.simulations = Some(Box::new(simulations));
+        }
+        Ok(points)
+    }
+
+    fn open_subject(request: &PointsRequest) -> Result<Self> {
         if let Some(name) = &request.sampler {
             let n = request
                 .points
@@ -193,6 +221,7 @@ impl Points {
             fewest: (0..ensemble.realizations()).map(|k| ensemble.points_in(k) as u64).min().unwrap_or(0),
             input: None,
             warnings: Vec::new(),
+            simulations: None,
             kind: Kind::Held(ensemble),
         }
     }
@@ -214,6 +243,7 @@ impl Points {
             fewest: if process.sampler.fixed_n() { n } else { 0 },
             input: None,
             warnings: Vec::new(),
+            simulations: None,
             kind: Kind::Process(process),
         }
     }
@@ -231,6 +261,7 @@ impl Points {
             fewest: 0,
             input: None,
             warnings: Vec::new(),
+            simulations: None,
             kind,
         }
     }
@@ -254,6 +285,7 @@ impl Points {
             fewest: 0,
             input,
             warnings: Vec::new(),
+            simulations: None,
             kind: Kind::Elsewhere,
         }
     }
@@ -261,6 +293,11 @@ impl Points {
     /// What was read, if it was read from files.
     pub fn input(&self) -> Option<&Input> {
         self.input.as_ref()
+    }
+
+    /// The simulations they are compared with, if some were given.
+    pub fn simulations(&self) -> Option<&Points> {
+        self.simulations.as_deref()
     }
 
     /// What the user should know about what was read.

@@ -1,4 +1,4 @@
-//! Envelopes of complete spatial randomness: table, what is drawn of them, and what is said of them.
+//! Envelopes of simulations: table, what is drawn of them, and what is said of them.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Keys, Output, Room, Table};
 use crate::display::figure::{GREY, Layer, band_runs};
-use crate::display::{Interval, human};
+use crate::display::{Interval, escape, human};
 use crate::estimate::{Analysis, Envelope};
 
 /// Envelopes in a report.
@@ -20,6 +20,7 @@ impl Room for Here {
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
         let out = a.envelopes().map(|e| EnvelopesOut {
             simulations: e.simulations,
+            given: e.given.as_deref(),
             pointwise_significance: e.pointwise_significance(),
             curves: e
                 .curves
@@ -32,8 +33,10 @@ impl Room for Here {
 }
 
 #[derive(Serialize)]
-struct EnvelopesOut {
+struct EnvelopesOut<'a> {
     simulations: u64,
+    /// Files of simulations; null for complete spatial randomness.
+    given: Option<&'a str>,
     /// The probability that independent points leave the pointwise envelope at one r.
     pointwise_significance: f64,
     curves: Vec<EnvelopeOut>,
@@ -65,19 +68,24 @@ fn table(analysis: &Analysis) -> Option<Table> {
     )
 }
 
-/// The global envelope of complete spatial randomness.
-pub(crate) fn global_band(name: &str, intervals: &[Interval], envelope: &Envelope) -> Layer {
+/// The global envelope of what is simulated, `of` which function where that is not plain.
+pub(crate) fn global_band(a: &Analysis, of: &str, intervals: &[Interval], envelope: &Envelope) -> Layer {
+    let given = a.envelopes().is_some_and(|e| e.given.is_some());
+    let name = format!("{of}{}, global", if given { "simulated" } else { "random" });
     let range = |(&lo, &hi): (&f64, &f64)| lo.is_finite().then_some((lo, hi));
     let band = envelope.global[0].iter().zip(&envelope.global[1]).map(range);
-    Layer::Band { name: name.into(), color: GREY, runs: band_runs(intervals.iter().copied().zip(band)) }
+    Layer::Band { name, color: GREY, runs: band_runs(intervals.iter().copied().zip(band)) }
 }
 
 /// What the envelopes of these curves say.
 pub(crate) fn caption(a: &Analysis, names: &[&str]) -> String {
     let Some(e) = a.envelopes() else { return String::new() };
+    let (of, one, what) = match &e.given {
+        None => ("of complete spatial randomness with as many points".into(), "a random pattern", "randomness"),
+        Some(given) => (format!("given ({})", escape(given)), "a pattern like them", "them"),
+    };
     let mut text = format!(
-        " {} simulations of complete spatial randomness with as many points: at one <i>r</i> chosen beforehand, a random \
-         pattern leaves their range with probability {}.",
+        " {} simulations {of}: at one <i>r</i> chosen beforehand, {one} leaves their range with probability {}.",
         e.simulations,
         human(e.pointwise_significance())
     );
@@ -95,7 +103,7 @@ pub(crate) fn caption(a: &Analysis, names: &[&str]) -> String {
         let verdict = if c.p <= c.alpha { "differs from" } else { "agrees with" };
         let _ = write!(
             text,
-            " Over all <i>r</i>, {name} {verdict} randomness at the {} % level (global rank envelope test by extreme rank \
+            " Over all <i>r</i>, {name} {verdict} {what} at the {} % level (global rank envelope test by extreme rank \
              length: <i>p</i> = {}, by extreme rank alone {} to {}).",
             human(100.0 * c.alpha),
             human(c.p),

@@ -4,6 +4,7 @@
 //!
 //! A new statistic is a room here, one line of `ROOMS`, and its stems in compute, accumulate and estimate.
 
+mod classes;
 mod convention;
 mod covariance;
 mod envelope;

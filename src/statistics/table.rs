@@ -30,7 +30,7 @@ impl Table {
     }
 
     /// Real numbers, empty where undefined.
-    pub(crate) fn optional(self, name: &'static str, values: impl IntoIterator<Item = Option<f64>>) -> Self {
+    pub(crate) fn optional(self, name: impl Into<Name>, values: impl IntoIterator<Item = Option<f64>>) -> Self {
         self.floats(name, values.into_iter().map(|v| v.unwrap_or(f64::NAN)))
     }
 

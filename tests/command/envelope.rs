@@ -51,3 +51,33 @@ fn envelopes_tell_random_from_jittered() {
     let text = |dir: &str| std::fs::read_to_string(scratch.path(dir).join("envelope.csv")).unwrap();
     assert_eq!(text("a"), text("b"));
 }
+
+#[test]
+fn simulations_may_be_given() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("simulations")).unwrap();
+    let sample = |what: &str| scratch.ok(&format!("sample {what}"));
+    sample("jittered -n 64 -k 40 --seed 1 --out simulations/a.npy");
+    sample("jittered -n 64 -k 2 --seed 8 --out jittered.npy");
+    sample("random -n 64 -k 2 --seed 9 --out random.npy");
+    let flags = "--stats pcf,neighbors --bins 20 --device cpu --envelope-from simulations";
+    let p = |dir: &str, curve: usize| summary(&scratch.path(dir))["envelope"]["curves"][curve]["p"].as_f64().unwrap();
+    // Two realizations, so that each simulation has two: 20 of them.
+    scratch.ok(&format!("analyze jittered.npy {flags} --out like"));
+    scratch.ok(&format!("analyze random.npy {flags} --out unlike"));
+    let envelope = &summary(&scratch.path("like"))["envelope"];
+    assert_eq!((envelope["simulations"].as_u64(), envelope["given"].as_str()), (Some(20), Some("simulations")));
+    for curve in [0, 1] {
+        assert!(p("like", curve) > 1.0 / 21.0 && p("unlike", curve) == 1.0 / 21.0, "curve {curve}");
+    }
+    let page = std::fs::read_to_string(scratch.path("unlike/report.html")).unwrap();
+    assert!(page.contains("20 simulations given (simulations)") && page.contains("differs from them at the 5 % level"));
+    let svg = std::fs::read_to_string(scratch.path("unlike/pcf.svg")).unwrap();
+    assert!(svg.contains("simulated, global"));
+    // The bytes of the simulations are what counts: a simulation is compared with itself.
+    scratch.ok("analyze simulations/a.npy --stats pcf --bins 20 --device cpu --envelope-from simulations --out own");
+    let rows = csv(&scratch.path("own/envelope.csv")).1;
+    assert!(rows.iter().all(|row| row[2] == row[3] && row[3] == row[4]), "one simulation, which is the data");
+    let said = summary(&scratch.path("own"))["warnings"].to_string();
+    assert!(said.contains("no p-value of 1 simulations is below 0.50"), "{said}");
+}

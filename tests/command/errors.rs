@@ -7,6 +7,7 @@ use crate::shared::Scratch;
 fn errors_name_the_flag_the_value_and_what_would_be_right() {
     let scratch = Scratch::new();
     scratch.file("ok.csv", "x,y\n0.1,0.2\n0.3,0.9\n0.5,0.5\n");
+    scratch.file("one-more.csv", "x,y\n0.1,0.3\n0.3,0.7\n");
     scratch.file("one.csv", "0.1 0.2\n");
     scratch.file("outside.txt", "0.1 0.2\n1.5 0.2\n");
     scratch.file("edge.txt", "0.1 0.2\n1 0.2\n");
@@ -572,7 +573,16 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--weight-column size: needs pcf, k-function, spectrum, radial or covariance among --stats",
         ),
-        ("analyze trees.csv --stats k-function --class-column kind", 2, "--class-column kind: needs pcf among --stats"),
+        (
+            "analyze ok.csv one-more.csv --stats pcf --envelope-from ok.csv",
+            2,
+            "--envelope-from ok.csv: 1 realizations are no whole number of simulations of 2 realizations, as many as the points have",
+        ),
+        (
+            "analyze trees.csv --stats spectrum --class-column kind",
+            2,
+            "--class-column kind: needs pcf, k-function or neighbors among --stats",
+        ),
         ("analyze trees.csv --class-column kind", 2, "--classes (none): expected two of the 3 classes: oak, elm, fir"),
         (
             "analyze trees.csv --class-column kind --classes oak,ash",

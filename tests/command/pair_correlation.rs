@@ -113,6 +113,19 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
     let sum = |name: &str| column::<u64>(&cross, name).iter().sum::<u64>();
     let whole: u64 = column::<u64>(&all, "count").iter().sum();
     assert_eq!(sum("count_1_1") + sum("count_2_2") + 2 * sum("count_1_2"), whole, "every pair is of some kind");
+    // K alone has its classes too, and the same ones.
+    let alone = "--window 0,1,0,1 --stats k-function --r-max 0.25 --bins 10 --device cpu --class-column kind";
+    let said = scratch.ok(&format!("analyze trees.csv {alone} --out cross"));
+    assert!(said.contains("L of 1 and 2: "), "{said}");
+    let of_two = |dir: &str| std::fs::read(scratch.path(dir).join("k_function_cross.csv")).unwrap();
+    assert!(of_two("cross") == of_two("both") && !scratch.path("cross").join("pcf_cross.csv").exists());
+    // So have neighbours.
+    let near = "--window 0,1,0,1 --stats neighbors --device cpu --class-column kind";
+    scratch.ok(&format!("analyze trees.csv {near} --out near"));
+    let near = csv(&scratch.path("near/neighbor_functions_cross.csv"));
+    let g = column::<String>(&near, "g_function_1_2");
+    assert_eq!((g.len(), g[0].as_str()), (257, "0.0"));
+    assert!(column::<String>(&near, "f_function_2") != column::<String>(&near, "f_function_1"));
     // Classes by number, in the other order: the same g between them.
     scratch.ok(&format!("analyze trees.csv {common} --class-column 3 --classes 2,1 --out turned"));
     let turned = csv(&scratch.path("turned/pcf_cross.csv"));

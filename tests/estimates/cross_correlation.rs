@@ -3,8 +3,8 @@
 use crate::common::*;
 use crate::shared::tag;
 use pairwave::accumulate::{CrossCounts, PairCounts};
-use pairwave::estimate::{CrossCorrelation, Normalization, PairCorrelation};
-use pairwave::plan::{Correction, PairPlan, RadialBins};
+use pairwave::estimate::{CrossCorrelation, CrossK, Normalization, PairCorrelation};
+use pairwave::plan::{Correction, PairPlan, PairSettings, RadialBins};
 use pairwave::points::{Domain, Ensemble};
 
 /// Pairs within two classes and between them, realization by realization.
@@ -31,14 +31,17 @@ fn g_between_classes_is_its_definition() {
     ] {
         let classes: Vec<u32> = (0..360).map(|j| j % 3).collect();
         let e = ensemble_in(&domain, &sets).with_classes(classes);
-        let plan = pair_plan(&e, RadialBins::linear(0.4, 4).unwrap(), correction);
+        let settings = PairSettings { cumulative: true, ..correction.into() };
+        let plan = PairPlan::new(&domain, RadialBins::linear(0.4, 4).unwrap(), settings, shape(&e)).unwrap();
         let names = ["oak".to_string(), "elm".to_string()];
-        let cross = CrossCorrelation::new(names, &plan, &cross_counts(&plan, &e), Normalization::Pairs);
+        let counts = cross_counts(&plan, &e);
+        let cross = CrossCorrelation::new(names.clone(), &plan, &counts, Normalization::Pairs);
+        let k_function = CrossK::new(names, &plan, &counts, Normalization::Pairs).unwrap();
         let sides = domain.sides();
         for b in 0..4 {
             let (lo, hi) = (plan.bins.edges()[b], plan.bins.edges()[b + 1]);
             // Sums over realizations of weights from A to B and back, of pairs from A to B, of what is expected.
-            let (mut sum, mut count, mut norm) = (0.0, 0, 0.0);
+            let (mut sum, mut closer, mut count, mut norm) = (0.0, 0.0, 0, 0.0);
             let mut each = Vec::new();
             for k in 0..6 {
                 let at: Vec<Vec<f64>> = (0..60).map(|j| e.position(k, j)).collect();
@@ -59,6 +62,7 @@ fn g_between_classes_is_its_definition() {
                         }
                         let seen = correction != Correction::Border || deep(i);
                         m += f64::from(u8::from(seen));
+                        closer += if seen && d2.sqrt() < hi { weight } else { 0.0 };
                         if (lo..hi).contains(&d2.sqrt()) {
                             count += usize::from(i % 3 == 0);
                             s += if seen { weight } else { 0.0 };
@@ -73,6 +77,9 @@ fn g_between_classes_is_its_definition() {
             let g = &cross.between;
             assert_eq!(g.count[b], count as u64, "{correction}, bin {b}");
             assert!((g.g[b] - sum / expected).abs() < 1e-8, "{correction}, bin {b}: {} not {}", g.g[b], sum / expected);
+            let k = domain.measure() * closer / norm;
+            let found = k_function.between.k[b];
+            assert!((found - k).abs() < 1e-8 * k, "{correction}, K at {hi}: {found} not {k}");
             let residuals: f64 = each.iter().map(|(s, m)| (s - sum / norm * m).powi(2)).sum();
             let se = (6.0 / 5.0 * residuals).sqrt() / expected;
             assert!((g.g_se[b] - se).abs() < 1e-4 * se, "{correction}, bin {b}: {} not {se}", g.g_se[b]);

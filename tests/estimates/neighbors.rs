@@ -4,10 +4,10 @@
 //! figures of spatstat and freud, and shows that the comparison with a closed form would notice missing edge correction.
 
 use crate::common::*;
-use pairwave::accumulate::NeighborSums;
+use pairwave::accumulate::{CrossNeighborSums, NeighborSums};
 use pairwave::compute::neighbors::neighbor_sums;
 use pairwave::control::Control;
-use pairwave::estimate::{ErrorSource, Neighbors};
+use pairwave::estimate::{CrossNeighbors, ErrorSource, Neighbors};
 use pairwave::plan::{NeighborPlan, RadialBins};
 use pairwave::points::read::{ReadOptions, read_all};
 use pairwave::points::{Domain, Ensemble, RawPoints};
@@ -489,4 +489,82 @@ fn cancelling_ends_it() {
     control.cancel();
     let ensemble = ensemble(&[uniform(2, 100, 1)]);
     assert!(neighbor_sums(&plan(&ensemble, None), &ensemble, &control).is_err());
+}
+
+/// The index is 1 for independent points and its z is standard normal, on tori and in a rectangle; a square lattice has 2.
+#[test]
+fn clark_evans_is_standard_for_independent_points() {
+    let rectangle = Domain::window(&[(3.0, 6.0), (-1.0, 1.0)]).unwrap();
+    let torus = Domain::torus(&[2.0, 1.0]).unwrap();
+    for (domain, n) in
+        [(Domain::unit_torus(1), 300), (torus, 300), (Domain::unit_torus(3), 300), (rectangle.clone(), 100)]
+    {
+        let sets: Vec<_> = (0..600).map(|i| scattered(&domain, n, 9000 + i)).collect();
+        let ensemble = Ensemble::from_raw(&sets, &domain, false, 0).unwrap();
+        let plan = NeighborPlan { bonds: false, ..plan(&ensemble, Some(&[0.0, 0.1])) };
+        let each = |k: usize| {
+            let one = ensemble.slice(k..k + 1);
+            Neighbors::new(&plan, &sums(&plan, &one), shape(&one)).clark_evans.unwrap()
+        };
+        let z: Vec<f64> = (0..600).map(|k| each(k).z).collect();
+        let mean = z.iter().sum::<f64>() / 600.0;
+        let variance = z.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / 599.0;
+        // Four standard errors of each; Donnelly's constants are known to 2 %.
+        assert!(
+            mean.abs() < 4.0 / 600f64.sqrt() && (variance - 1.0).abs() < 4.0 * (2.0 / 600f64).sqrt(),
+            "{mean} {variance}"
+        );
+        let all = Neighbors::new(&plan, &sums(&plan, &ensemble), shape(&ensemble)).clark_evans.unwrap();
+        assert!((all.index - 1.0).abs() < 4.0 * all.index_se.unwrap(), "{all:?}");
+        assert!((all.z - z.iter().sum::<f64>() / 600f64.sqrt()).abs() < 1e-9 && each(0).index_se.is_none());
+    }
+    let lattice: Vec<f64> = (0..64).flat_map(|i| [f64::from(i % 8) / 8.0, f64::from(i / 8) / 8.0]).collect();
+    let found = measure(&Domain::unit_torus(2), &[raw(2, lattice)]).clark_evans.unwrap();
+    assert!((found.index - 2.0).abs() < 1e-12 && found.z > 8.0, "{found:?}");
+    // No edge correction is known in three dimensions.
+    let box3 = Domain::window(&[(0.0, 1.0); 3]).unwrap();
+    assert_eq!(measure(&box3, &[scattered(&box3, 50, 1)]).clark_evans, None);
+    assert_eq!(measure(&rectangle, &[raw(2, vec![4.0, 0.0])]).clark_evans, None);
+}
+
+/// G between two classes against a loop over the points of each, and J = 1 between independent classes.
+#[test]
+fn g_and_j_of_two_classes_are_their_definitions() {
+    let torus = Domain::torus(&[2.0, 1.0]).unwrap();
+    let sets: Vec<_> = (0..40).map(|i| scattered(&torus, 150, 700 + i)).collect();
+    let e = Ensemble::from_raw(&sets, &torus, false, 0).unwrap();
+    let e = e.with_classes((0..150 * 40).map(|j| u32::from(j % 3 == 0)).collect());
+    let edges: Vec<f64> = (0..=20).map(|k| 0.01 * f64::from(k)).collect();
+    let plan = NeighborPlan { bonds: false, ..plan(&e, Some(&edges)) };
+    let of = |classes| sums(&NeighborPlan { classes: Some(classes), ..plan.clone() }, &e);
+    let sums = CrossNeighborSums([[0, 0], [1, 1], [0, 1], [1, 0]].map(of));
+    let found = CrossNeighbors::new(["oak".into(), "elm".into()], &plan, &sums);
+    for ([from, to], functions) in [[0, 0], [1, 1], [0, 1], [1, 0]].into_iter().zip(found.each().map(|(_, f)| f)) {
+        let (mut below, mut all) = (vec![0.0; edges.len()], 0.0);
+        for k in 0..40 {
+            let at = |j: usize| e.position(k, j);
+            let of = |class: u32| (0..150).filter(move |j| u32::from(j % 3 == 0) == class);
+            for i in of(from) {
+                let distance = |j: usize| {
+                    let along =
+                        |a: usize, side: f64| ((at(i)[a] - at(j)[a]).abs()).min(side - (at(i)[a] - at(j)[a]).abs());
+                    along(0, 2.0).hypot(along(1, 1.0))
+                };
+                let nearest = of(to).filter(|&j| j != i).map(distance).fold(f64::INFINITY, f64::min);
+                all += 1.0;
+                edges.iter().zip(&mut below).for_each(|(r, below)| *below += f64::from(u8::from(nearest < *r)));
+            }
+        }
+        for (i, below) in below.iter().enumerate() {
+            assert!((functions.g[i].unwrap() - below / all).abs() < 1e-12, "{from} {to} at {}", edges[i]);
+            let poisson = functions.poisson[i];
+            let [g, f] =
+                [(&functions.g, &functions.g_se), (&functions.f, &functions.f_se)].map(|(y, se)| (y[i], se[i]));
+            for (value, se) in [g, f].map(|(y, se)| (y.unwrap(), se.unwrap())) {
+                // n of a class is fixed: no more than 1/n off the Poisson one.
+                assert!((value - poisson).abs() < 4.0 * se + 0.02, "{value} {poisson} {se}");
+            }
+        }
+        assert!((functions.j[8].unwrap() - 1.0).abs() < 0.05, "{:?}", functions.j[8]);
+    }
 }

@@ -16,7 +16,7 @@ use pairwave::compute::neighbors::neighbor_sums;
 use pairwave::compute::{Compute, reference::Reference};
 use pairwave::control::Control;
 use pairwave::estimate::{
-    Analysis, CrossCorrelation, Curve, Envelope, Envelopes, ErrorSource, Findings, KFunction, KernelEstimate,
+    Analysis, CrossCorrelation, CrossK, Curve, Envelope, Envelopes, ErrorSource, Findings, KFunction, KernelEstimate,
     Neighbors, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum, SpectrumDetails, VectorCorrelation,
 };
 use pairwave::plan::{
@@ -227,7 +227,7 @@ fn envelopes(a: &Analysis, simulations: u64) -> Envelopes {
     let curve = |s| g.r.iter().enumerate().map(|(k, _)| 0.9 + 0.2 * Rng(1000 * s + k as u64).unit()).collect();
     let simulated: Vec<Vec<f64>> = (0..simulations).map(curve).collect();
     let observed = Curve { name: "g", r: g.r.clone(), values: g.g.clone() };
-    Envelopes { simulations, curves: vec![Envelope::new(observed, &simulated)] }
+    Envelopes { simulations, given: None, curves: vec![Envelope::new(observed, &simulated)] }
 }
 
 /// P = 0 everywhere, and with it no anisotropy.
@@ -255,7 +255,6 @@ fn with_classes(n: usize) -> Analysis {
     let plan = PairPlan::new(&window, bins(), settings, shape(&e)).unwrap();
     let sums = reference_counts(&plan, &e);
     a.findings.add(KFunction::new(&plan, &sums, Normalization::Pairs, n as f64));
-    let plan = pair_plan(&e, bins(), Correction::Translation);
     let [one, other] = [0, 1].map(|class| reference_counts(&plan, &e.of_classes(&[class])));
     let mut between = PairCounts::new(one.computed_by.clone(), &plan);
     for k in 0..2 {
@@ -263,7 +262,9 @@ fn with_classes(n: usize) -> Analysis {
         between.add_between(&count(&[0, 1]), &count(&[0]), &count(&[1]));
     }
     let counts = CrossCounts { a: one, b: other, between };
-    a.findings.insert(CrossCorrelation::new(["a<b".into(), "c & d".into()], &plan, &counts, Normalization::Pairs));
+    let names = ["a<b".to_string(), "c & d".to_string()];
+    a.findings.insert(CrossCorrelation::new(names.clone(), &plan, &counts, Normalization::Pairs));
+    a.findings.add(CrossK::new(names, &plan, &counts, Normalization::Pairs));
     a
 }
 
@@ -502,10 +503,13 @@ fn tables_read_back_as_the_same_numbers() {
 
     let (header, c) = columns(&root.path().join("spectrum_radial.csv"));
     let names = "nu_lo,nu,nu_hi,modes,p,p_se,anisotropy_db,anisotropy_reference_db,anisotropy_db_se,independent_modes,\
-                 p_lo,p_hi,p_band,m";
+                 p_lo,p_hi,p_band,m,nu_mean,m_mean";
     assert_eq!(header.join(","), names);
     let rings = &a.radial().unwrap().rings;
     assert_eq!(floats(&c["p"]), rings.iter().map(|r| r.p).collect::<Vec<_>>());
+    // |m| = 1 four times and sqrt(2) four times.
+    let first = (1.0 + 2f64.sqrt()) / 2.0;
+    assert!((floats(&c["m_mean"])[0] - first).abs() < 1e-15 && (rings[0].nu_mean - first).abs() < 1e-15);
     assert_eq!(floats(&c["p_se"]), rings.iter().map(|r| r.p_se).collect::<Vec<_>>());
     assert_eq!(c["anisotropy_db"][0], "");
     assert_eq!(c["anisotropy_db"][1].parse::<f64>().ok(), rings[1].anisotropy_db);
@@ -589,7 +593,7 @@ fn k_and_two_classes_read_back() {
     a.findings.get_mut::<KFunction>().unwrap().l_se[0] = None;
     a.findings.get_mut::<CrossCorrelation>().unwrap().a.g[0] = f64::NAN;
     report::write(root.path(), &a, false).unwrap();
-    for file in ["k_function.csv", "k_function.svg", "pcf_cross.csv", "pcf_cross.svg"] {
+    for file in ["k_function.csv", "k_function.svg", "pcf_cross.csv", "pcf_cross.svg", "k_function_cross.svg"] {
         assert!(listing(root.path()).contains(&file.to_string()), "{file}");
     }
     let (header, c) = columns(&root.path().join("k_function.csv"));
@@ -610,7 +614,15 @@ fn k_and_two_classes_read_back() {
     assert_eq!(floats(&c["g_a<b_c & d"]), cross.between.g);
     assert_eq!(floats(&c["g_a<b_c & d_se"]), cross.between.g_se);
     assert_eq!(c["count_a<b_c & d"].iter().map(|n| n.parse().unwrap()).collect::<Vec<u64>>(), cross.between.count);
+    let (header, c) = columns(&root.path().join("k_function_cross.csv"));
+    let columns_of = |of| format!("k_{of},k_{of}_se,l_{of},l_{of}_se,l_minus_r_{of}");
+    let of = ["a<b_a<b", "c & d_c & d", "a<b_c & d"].map(columns_of);
+    assert_eq!(header.join(","), format!("r,{}", of.join(",")));
+    let cross = a.cross_k().unwrap();
+    assert_eq!(floats(&c["k_a<b_c & d"]), cross.between.k);
+    assert_eq!(floats(&c["l_minus_r_c & d_c & d"]), cross.b.l_minus_r);
     let summary = json(root.path());
+    assert_eq!(summary["cross_k_function"]["classes"][1], "c & d");
     assert_eq!(summary["cross_correlation"]["classes"][0], "a<b");
     assert_eq!(summary["k_function"]["correction"], "translation");
     let page = fs::read_to_string(root.path().join("report.html")).unwrap();

@@ -8,6 +8,8 @@ mod bonds;
 mod distribution;
 mod search;
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use crate::accumulate::{Bonds, Distances, NeighborSums, NoBonds, RealizationNeighbors};
@@ -23,14 +25,18 @@ use search::Nearest;
 /// # Errors
 /// `Error::Cancelled`.
 pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control) -> Result<NeighborSums> {
+    let [from, to] = sides(plan, ensemble);
+    let within = plan.classes.is_none_or(|[a, b]| a == b);
     let part = 1.0 / ensemble.realizations() as f64;
     let add = |mut sums: NeighborSums, k: usize| {
         control.check()?;
-        let axes = ensemble.lengths(k);
-        let n = ensemble.points_in(k) as u64;
+        let (axes, others) = (from.lengths(k), to.lengths(k));
+        let n = axes[0].len() as u64;
         // The triangulation runs on one thread, the search on all that are left.
-        let (bonds, nearest) =
-            rayon::join(|| bonds(plan, &axes, control), || Nearest::find(plan, &axes, part, control));
+        let (bonds, nearest) = rayon::join(
+            || bonds(plan, &axes, control),
+            || Nearest::find(plan, (!within).then_some(&axes), &others, part, control),
+        );
         let nearest = nearest?;
         let one = RealizationNeighbors {
             index: ensemble.first_index() + k as u64,
@@ -54,6 +60,14 @@ pub fn neighbor_sums(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control
     )
 }
 
+/// The points from which distances are taken, and those to which.
+pub(in crate::compute) fn sides<'a>(plan: &NeighborPlan, ensemble: &'a Ensemble) -> [Cow<'a, Ensemble>; 2] {
+    match plan.classes {
+        Some(classes) => classes.map(|class| Cow::Owned(ensemble.of_classes(&[class]))),
+        None => [Cow::Borrowed(ensemble), Cow::Borrowed(ensemble)],
+    }
+}
+
 /// Per point of realization `k`, the index of the nearest other point (minimum image on a torus); `None` for a lone point. Of
 /// several at the same distance the one with the lowest index, unless points coincide.
 ///
@@ -71,7 +85,7 @@ fn bonds(plan: &NeighborPlan, axes: &[&[u64]], control: &Control) -> Result<std:
 fn distances(squares: &[u128], domain: &Domain) -> Option<Distances> {
     let n = squares.len() as f64;
     let step = domain.length_unit() / 2f64.powi(64);
-    let minimum = *squares.iter().min().filter(|_| squares.len() >= 2)?;
+    let minimum = *squares.iter().min().filter(|square| **square < u128::MAX)?;
     Some(Distances {
         minimum: (minimum as f64).sqrt() * step,
         mean: squares.iter().map(|&square| (square as f64).sqrt()).sum::<f64>() / n * step,

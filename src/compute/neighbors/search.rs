@@ -17,37 +17,59 @@ use crate::points::geometry::minimum_image;
 /// Exact squared distances in squared steps; `u128::MAX` where there is no point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Nearest {
-    /// From each point to the nearest other point.
+    /// From each point to the nearest other point, or the nearest of another class.
     pub(super) of_points: Vec<u128>,
     /// From each test point to the nearest point.
     pub(super) of_probes: Vec<u128>,
 }
 
 impl Nearest {
-    /// Of the points of one realization and the test points of the plan, which is `part` of the piece of work at hand.
-    pub(super) fn find(plan: &NeighborPlan, axes: &[&[u64]], part: f64, control: &Control) -> Result<Self> {
+    /// Of the points of one realization and the test points of the plan, which is `part` of the piece of work at hand. With
+    /// `from`, from those points to `axes`.
+    pub(super) fn find(
+        plan: &NeighborPlan,
+        from: Option<&[&[u64]]>,
+        axes: &[&[u64]],
+        part: f64,
+        control: &Control,
+    ) -> Result<Self> {
         match axes.len() {
-            1 => Self::find_in::<1>(plan, axes, part, control),
-            2 => Self::find_in::<2>(plan, axes, part, control),
-            _ => Self::find_in::<3>(plan, axes, part, control),
+            1 => Self::find_in::<1>(plan, from, axes, part, control),
+            2 => Self::find_in::<2>(plan, from, axes, part, control),
+            _ => Self::find_in::<3>(plan, from, axes, part, control),
         }
     }
 
-    fn find_in<const D: usize>(plan: &NeighborPlan, axes: &[&[u64]], part: f64, control: &Control) -> Result<Self>
+    fn find_in<const D: usize>(
+        plan: &NeighborPlan,
+        from: Option<&[&[u64]]>,
+        axes: &[&[u64]],
+        part: f64,
+        control: &Control,
+    ) -> Result<Self>
     where
         [f64; D]: KdPoint<Scalar = f64>,
         <[f64; D] as KdPoint>::Dim: Sync,
     {
         let search = Search::<D>::new(axes, &plan.domain);
-        let probe = |i: usize| Site { steps: std::array::from_fn(|a| plan.probes.position(i)[a]), index: NOBODY };
-        let probes = (0..plan.probes.len()).into_par_iter().with_min_len(CHUNK).map(|i| {
-            if i.is_multiple_of(CHUNK) {
-                control.check()?;
-            }
-            Ok(search.nearest(&probe(i)).square)
-        });
-        let of_points = search.of_points(axes[0].len(), part, control)?.into_iter().map(|near| near.square).collect();
-        Ok(Self { of_points, of_probes: probes.collect::<Result<_>>()? })
+        let to_nearest = |count: usize, place: &(dyn Fn(usize) -> [u64; D] + Sync)| {
+            let each = (0..count).into_par_iter().with_min_len(CHUNK).map(|i| {
+                if i.is_multiple_of(CHUNK) {
+                    control.check()?;
+                }
+                Ok(search.nearest(&Site { steps: place(i), index: NOBODY }).square)
+            });
+            each.collect::<Result<Vec<_>>>()
+        };
+        let of_probes = to_nearest(plan.probes.len(), &|i| {
+            let position = plan.probes.position(i);
+            std::array::from_fn(|a| position[a])
+        })?;
+        let of_points = match from {
+            Some(from) => to_nearest(from[0].len(), &|i| std::array::from_fn(|a| from[a][i]))?,
+            None => search.of_points(axes[0].len(), part, control)?.into_iter().map(|near| near.square).collect(),
+        };
+        Ok(Self { of_points, of_probes })
     }
 }
 
@@ -265,7 +287,7 @@ mod tests {
         let axes = ensemble.lengths(0);
         let n = axes[0].len();
         let plan = plan(domain);
-        let found = Nearest::find(&plan, &axes, 0.0, &Control::default()).unwrap();
+        let found = Nearest::find(&plan, None, &axes, 0.0, &Control::default()).unwrap();
         let all =
             |i| (0..n).filter(|&j| j != i).map(|j| squared_distance(&axes, domain.periods(), i, j)).min().unwrap();
         let expected: Vec<u128> = (0..n).map(all).collect();
@@ -412,7 +434,7 @@ mod tests {
                 for (what, points) in degenerate(dim, n) {
                     let ensemble = one(&domain, into(&domain, &points));
                     let axes = ensemble.lengths(0);
-                    let found = Nearest::find(&plan(&domain), &axes, 0.0, &Control::default()).unwrap().of_points;
+                    let found = Nearest::find(&plan(&domain), None, &axes, 0.0, &Control::default()).unwrap().of_points;
                     for i in (0..n).step_by(n / 20) {
                         let others = (0..n).filter(|&j| j != i);
                         let expected = others.map(|j| squared_distance(&axes, domain.periods(), i, j)).min();
@@ -427,8 +449,9 @@ mod tests {
     fn nobody_is_infinitely_far() {
         for domain in domains(2) {
             let plan = plan(&domain);
-            let find =
-                |points| Nearest::find(&plan, &one(&domain, points).lengths(0), 0.0, &Control::default()).unwrap();
+            let find = |points| {
+                Nearest::find(&plan, None, &one(&domain, points).lengths(0), 0.0, &Control::default()).unwrap()
+            };
             let none = find(vec![]);
             assert!(none.of_points.is_empty() && none.of_probes.iter().all(|&s| s == u128::MAX));
             let single = find(into(&domain, &[0.5, 0.5]));
@@ -443,6 +466,9 @@ mod tests {
         control.cancel();
         let domain = Domain::unit_torus(2);
         let ensemble = one(&domain, sample("random", &[], 100, 2));
-        assert!(matches!(Nearest::find(&plan(&domain), &ensemble.lengths(0), 0.0, &control), Err(Error::Cancelled)));
+        assert!(matches!(
+            Nearest::find(&plan(&domain), None, &ensemble.lengths(0), 0.0, &control),
+            Err(Error::Cancelled)
+        ));
     }
 }

@@ -30,6 +30,7 @@
 use crate::accumulate::{
     Bonds, COUNT_STEPS, Distances, DistributionCounts, NeighborSums, NoBonds, RealizationNeighbors,
 };
+use crate::compute::neighbors::sides;
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::NeighborPlan;
@@ -39,23 +40,28 @@ use crate::points::{Domain, Ensemble};
 /// Of every realization.
 pub(super) fn neighbors(plan: &NeighborPlan, ensemble: &Ensemble, control: &Control) -> Result<NeighborSums> {
     let mut sums = NeighborSums::default();
+    let [from, to] = sides(plan, ensemble);
+    let within = plan.classes.is_none_or(|[a, b]| a == b);
     for k in 0..ensemble.realizations() {
-        let axes = ensemble.lengths(k);
-        let n = axes[0].len();
+        let (axes, others) = (from.lengths(k), to.lengths(k));
+        let (n, m) = (axes[0].len(), others[0].len());
+        // Those from which stand behind those to which.
+        let both: Vec<Vec<u64>> = others.iter().zip(&axes).map(|(to, from)| [*to, *from].concat()).collect();
+        let both: Vec<&[u64]> = both.iter().map(Vec::as_slice).collect();
         let mut nearest = Vec::with_capacity(n);
         for i in 0..n {
             control.check()?;
-            let others = (0..n).filter(|&j| j != i);
-            nearest.push(others.map(|j| squared_distance(&axes, plan.domain.periods(), i, j)).min());
+            let others = (0..m).filter(|&j| !within || j != i);
+            nearest.push(others.map(|j| squared_distance(&both, plan.domain.periods(), m + i, j)).min());
         }
         let mut empty = Vec::with_capacity(plan.probes.len());
         for probe in 0..plan.probes.len() {
             control.check()?;
             // The test point stands behind the points.
             let place = plan.probes.position(probe);
-            let with: Vec<Vec<u64>> = axes.iter().zip(place).map(|(axis, y)| [*axis, &[y][..]].concat()).collect();
+            let with: Vec<Vec<u64>> = others.iter().zip(place).map(|(axis, y)| [*axis, &[y][..]].concat()).collect();
             let with: Vec<&[u64]> = with.iter().map(Vec::as_slice).collect();
-            empty.push((0..n).map(|j| squared_distance(&with, plan.domain.periods(), n, j)).min());
+            empty.push((0..m).map(|j| squared_distance(&with, plan.domain.periods(), m, j)).min());
         }
         let one = RealizationNeighbors {
             index: ensemble.first_index() + k as u64,
@@ -298,6 +304,15 @@ mod tests {
             assert_eq!(difference(&truth, &fast), None, "{domain:?}");
             let planar = domain.dim() == 2;
             assert!(truth.realizations.iter().all(|r| r.bonds.is_ok() == (planar && r.n > 2)), "{domain:?}");
+            // Of classes: within one, between two, to one of which there is no point.
+            let total = points.total_points() as u32;
+            let points = points.with_classes((0..total).map(|j| j * j % 3).collect());
+            for classes in [[0, 0], [0, 1], [1, 0], [1, 2]] {
+                let plan = NeighborPlan { classes: Some(classes), bonds: false, ..plan.clone() };
+                let truth = neighbors(&plan, &points, &Control::default()).unwrap();
+                let fast = neighbor_sums(&plan, &points, &Control::default()).unwrap();
+                assert_eq!(difference(&truth, &fast), None, "{domain:?} {classes:?}");
+            }
         }
     }
 

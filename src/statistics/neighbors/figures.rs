@@ -1,8 +1,8 @@
 //! The picture of G and F, and its caption.
 
-use crate::display::figure::{BLUE, Figure, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
-use crate::display::{error_note, human, packing_symbol, size};
-use crate::estimate::Analysis;
+use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::{error_note, escape, extent, human, packing_symbol, shortened, size};
+use crate::estimate::{Analysis, NeighborFunctions};
 use crate::statistics::envelope;
 use crate::statistics::envelope::global_band;
 
@@ -26,9 +26,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
     let at: Vec<_> = intervals().collect();
     let envelopes = analysis.envelopes();
-    let random = |name, label| envelopes.and_then(|e| e.find(name)).map(|e| global_band(label, &at, e));
+    let random = |name, of| envelopes.and_then(|e| e.find(name)).map(|e| global_band(analysis, of, &at, e));
     let mut layers = Vec::new();
-    layers.extend(random("neighbor_g", "G of random, global"));
+    layers.extend(random("neighbor_g", "G of "));
     layers.extend([
         Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
         Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },
@@ -69,5 +69,55 @@ pub(super) fn caption(a: &Analysis, _: &str) -> Option<String> {
          that points keep apart.{edges}{}",
         a.neighbors()?.functions.probes,
         envelope::caption(a, &["neighbor_g", "neighbor_f"])
+    ))
+}
+
+/// J within two classes and between them, as far as F is below 0.95; 1 for independent points.
+pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
+    let cross = analysis.cross_neighbors()?;
+    let r = &cross.a.r;
+    // Beyond, J is a quotient of two small numbers.
+    let known = |functions: &NeighborFunctions| {
+        let below = |(j, f): (&Option<f64>, &Option<f64>)| j.filter(|_| f.is_some_and(|f| f < 0.95));
+        functions.j.iter().zip(&functions.f).map(below).collect::<Vec<_>>()
+    };
+    let curves = cross.each().map(|(names, functions)| (names, known(functions)));
+    let end = (0..r.len()).rev().find(|&i| curves.iter().any(|(_, j)| j[i].is_some())).map(|i| r[i])?;
+    let values: Vec<f64> = curves.iter().flat_map(|(_, j)| j.iter().flatten().copied()).collect();
+    let (lo, hi) = extent(&values.iter().copied().chain([0.9, 1.1]).collect::<Vec<_>>())?;
+    let pad = 0.06 * (hi - lo);
+    let mut layers = vec![Layer::Level { name: "independent: J = 1".into(), y: 1.0 }];
+    for (([from, to], j), color) in curves.iter().zip([GREEN, VERMILION, BLUE, INK]) {
+        layers.push(Layer::Line {
+            name: [from, to].map(|name| escape(&shortened(name, 18))).join(" → "),
+            color,
+            width: 1.6,
+            dashed: false,
+            runs: runs(r.iter().map(|&r| (r, r, r)).zip(j.iter().copied())),
+        });
+    }
+    Some(Figure {
+        title: "J functions of two classes",
+        subject: analysis.subject.clone(),
+        note: size(analysis),
+        x_label: "distance r (length units of the domain)".into(),
+        y_label: "J(r) (dimensionless)".into(),
+        x: r[0].min(0.0)..end,
+        y: (lo - pad).max(0.0)..hi + pad,
+        log_x: false,
+        log_y: false,
+        top: None,
+        layers,
+    })
+}
+
+/// What the picture of two classes shows.
+pub(super) fn cross_caption(a: &Analysis, _: &str) -> Option<String> {
+    let [a, b] = a.cross_neighbors()?.classes.each_ref().map(|name| escape(name));
+    Some(format!(
+        "<i>J<sub>AB</sub></i> = (1 − <i>G<sub>AB</sub></i>) / (1 − <i>F<sub>B</sub></i>) of the classes {a} and {b}, within \
+         each and from each to the other: <i>G<sub>AB</sub></i>(<i>r</i>) is the probability that a point of <i>A</i> has one \
+         of <i>B</i> closer than <i>r</i>, <i>F<sub>B</sub></i> that a fixed place has. 1 means that the classes are \
+         independent, above 1 they keep apart, below they attract."
     ))
 }

@@ -1,5 +1,6 @@
 //! Nearest neighbours: distances, G, F and J, and bond order.
 
+mod classes;
 mod figures;
 mod summary;
 mod sums;
@@ -35,13 +36,21 @@ impl Room for Here {
         const {
             &[
                 Output::table("neighbor_functions.csv", tables::functions),
+                Output::table("neighbor_functions_cross.csv", tables::cross),
                 Output::figure("neighbor_functions.svg", figures::functions, "Nearest neighbours", figures::caption),
+                Output::figure(
+                    "neighbor_functions_cross.svg",
+                    figures::cross,
+                    "Nearest neighbours of two classes",
+                    figures::cross_caption,
+                ),
             ]
         }
     }
 
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
-        keys.add("neighbors", &summary::neighbors(a))
+        keys.add("neighbors", &summary::neighbors(a))?;
+        keys.add("cross_neighbors", &summary::cross(a))
     }
 
     fn scalars(&self, a: &Analysis) -> Vec<Row> {
@@ -62,6 +71,11 @@ impl Room for Here {
                 rows.push(("The smallest of each realization, mean".into(), mean));
             }
             rows.push(("Mean nearest-neighbour distance".into(), value(nn.mean, nn.mean_se, nn.mean_relative)));
+            if let Some(clark_evans) = &neighbors.clark_evans {
+                let index = with_error(clark_evans.index, clark_evans.index_se);
+                let text = format!("{index}; <i>z</i> = {} against independent points", human(clark_evans.z));
+                rows.push(("Clark–Evans index".into(), text));
+            }
             if let Ok(bonds) = &neighbors.bonds {
                 let [local, global] = [(bonds.local, bonds.local_se), (bonds.global, bonds.global_se)]
                     .map(|(value, se)| with_error(value, se));
@@ -102,6 +116,13 @@ impl Room for Here {
                 nn.mean_relative.map_or(String::new(), |r| format!(" ({} of the closest packing)", human(r)));
             let (minimum, mean) = (value(nn.minimum, None), value(nn.mean, nn.mean_se));
             lines.push(format!("nearest neighbour: smallest {minimum}, mean {mean}{relative}"));
+            if let Some(clark_evans) = &neighbors.clark_evans {
+                let index = with_error(clark_evans.index, clark_evans.index_se);
+                lines.push(format!(
+                    "Clark-Evans index {index}, z = {} against independent points",
+                    human(clark_evans.z)
+                ));
+            }
             if let Ok(bonds) = &neighbors.bonds {
                 let (local, global) =
                     (with_error(bonds.local, bonds.local_se), with_error(bonds.global, bonds.global_se));

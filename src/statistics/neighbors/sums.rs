@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
+use super::classes::NeighborClasses;
 use crate::accumulate::{ComputedBy, NeighborSums};
 use crate::compute::Session;
 use crate::error::Result;
@@ -23,9 +24,18 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
     if ask.wants(Statistic::Neighbors) {
         let bins = parts.get::<Pairs>().map(|pairs| &pairs.plan.bins);
         let plan = NeighborPlan::new(ask.domain, bins, ask.shape)?;
+        let classes = (!ask.classes.is_empty()).then(|| NeighborClasses::new(ask, &plan)).transpose()?;
         parts.add(Neighborhood(plan));
+        classes.into_iter().for_each(|classes| parts.add(classes));
     }
     Ok(())
+}
+
+/// What a realization of n points takes.
+pub(super) fn seconds(plan: &NeighborPlan, n: f64) -> f64 {
+    let points = n + plan.probes.len() as f64;
+    let each = if plan.domain.dim() == 1 { 6e-8 } else { 2.8e-7 };
+    each * points * points.max(2.0).log2()
 }
 
 impl Group for Neighborhood {
@@ -48,9 +58,7 @@ impl Group for Neighborhood {
     }
 
     fn seconds(&self, n: f64) -> f64 {
-        let points = n + self.0.probes.len() as f64;
-        let each = if self.0.domain.dim() == 1 { 6e-8 } else { 2.8e-7 };
-        each * points * points.max(2.0).log2()
+        seconds(&self.0, n)
     }
 
     fn none(&self, _: ComputedBy) -> NeighborSums {

@@ -4,57 +4,39 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
-use super::counts::identity;
+use super::counts::{Pairs, identity};
 use crate::accumulate::{ComputedBy, CrossCounts, PairCounts};
 use crate::compute::{Compute, Session};
 use crate::error::{Error, Result};
-use crate::estimate::{Analysis, CrossCorrelation};
+use crate::estimate::{Analysis, CrossCorrelation, CrossK};
 use crate::plan::{Batch, PairPlan};
 use crate::points::Ensemble;
 use crate::request::{Request, Statistic};
-use crate::setting::Setting;
+use crate::statistics::classes::TwoClasses;
 use crate::statistics::group::{Group, Subject};
 
-/// The two classes whose g is wanted.
+/// The two classes whose g or K is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Classes {
     names: [String; 2],
     numbers: [u32; 2],
     pairs: PairPlan,
+    /// Whether g is wanted, not only K.
+    pcf: bool,
 }
 
 impl Classes {
-    /// Finds the classes asked for among `names`.
-    pub(super) fn new(request: &Request, names: &[String], pairs: &PairPlan) -> Result<Self> {
-        const SHOWN: usize = 20;
-        let listed = || {
-            let more = if names.len() > SHOWN { format!(" and {} more", names.len() - SHOWN) } else { String::new() };
-            format!("{}{more}", names[..names.len().min(SHOWN)].join(", "))
-        };
-        let number = |name: &str| names.iter().position(|n| n == name).map(|k| k as u32);
-        let typed = request.classes.clone().unwrap_or("(none)".into());
-        let wanted = request.classes.as_deref().map(fields);
-        let fail = |reason: String| Err(Error::setting(Setting::Classes, &typed, reason));
-        let numbers = match (wanted.as_deref(), names) {
-            (None, [_, _]) => [0, 1],
-            (None, _) => return fail(format!("expected two of the {} classes: {}", names.len(), listed())),
-            (Some([a, b]), _) if a == b => return fail("expected two different classes".into()),
-            (Some([a, b]), _) => match (number(a), number(b)) {
-                (Some(a), Some(b)) => [a, b],
-                (None, _) => return fail(format!("no point is of class {a}; there are {}", listed())),
-                (_, None) => return fail(format!("no point is of class {b}; there are {}", listed())),
-            },
-            (Some(_), _) => return fail("expected two classes, as in oak,elm".into()),
-        };
-        let names = numbers.map(|k| names[k as usize].clone());
-        Ok(Self { names, numbers, pairs: PairPlan { cumulative: false, ..pairs.clone() } })
+    /// Of the classes asked for among `names`.
+    pub(super) fn new(request: &Request, names: &[String], pairs: &Pairs) -> Result<Self> {
+        let TwoClasses { names, numbers } = TwoClasses::among(names, request)?;
+        Ok(Self { names, numbers, pairs: pairs.plan.clone(), pcf: pairs.pcf })
     }
 }
 
 impl Group for Classes {
     type Sums = CrossCounts;
 
-    const NAME: &'static str = "g of two classes";
+    const NAME: &'static str = "two classes";
     const STAGE: &'static str = "pair_counts (classes)";
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -105,15 +87,11 @@ impl Group for Classes {
 
     fn estimate(&self, sums: &CrossCounts, subject: &Subject<'_>, found: &mut Analysis) {
         let normalization = subject.request.normalization;
-        found.findings.insert(CrossCorrelation::new(self.names.clone(), &self.pairs, sums, normalization));
+        if self.pcf {
+            found.findings.insert(CrossCorrelation::new(self.names.clone(), &self.pairs, sums, normalization));
+        }
+        found.findings.add(CrossK::new(self.names.clone(), &self.pairs, sums, normalization));
     }
-}
-
-/// The fields of a line of CSV.
-fn fields(line: &str) -> Vec<String> {
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(line.as_bytes());
-    let first = reader.records().next().and_then(|record| record.ok());
-    first.map_or(Vec::new(), |record| record.iter().map(str::to_string).collect())
 }
 
 impl fmt::Display for Classes {

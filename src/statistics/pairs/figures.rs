@@ -4,7 +4,7 @@ use crate::display::figure::{BLUE, Figure, GREEN, Layer, TopAxis, VERMILION, ban
 use crate::display::{
     Panel, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
 };
-use crate::estimate::{Analysis, Normalization};
+use crate::estimate::{Analysis, KFunction, Normalization};
 use crate::plan::{Correction, SmoothingKernel};
 use crate::statistics::envelope;
 use crate::statistics::envelope::global_band;
@@ -28,7 +28,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     let mut layers = vec![Layer::Level { name: "g = 1".into(), y: 1.0 }];
     let envelope = analysis.envelopes().and_then(|e| e.find("g"));
     let intervals: Vec<_> = samples.all.iter().map(|s| s.interval).collect();
-    layers.extend(envelope.map(|e| global_band("random, global", &intervals, e)));
+    layers.extend(envelope.map(|e| global_band(analysis, "", &intervals, e)));
     layers.extend([
         Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(samples.bands()) },
         Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
@@ -177,7 +177,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let defined = |&(l, se): &(f64, f64)| l.is_finite().then_some((l - se, l + se));
     let mut layers = vec![Layer::Level { name: "random: L = r".into(), y: 0.0 }];
-    layers.extend(random.map(|e| global_band("random, global", &intervals, e)));
+    layers.extend(random.map(|e| global_band(analysis, "", &intervals, e)));
     layers.extend([
         Layer::Band {
             name: "±1 s.e.".into(),
@@ -223,5 +223,58 @@ pub(super) fn k_caption(a: &Analysis, _: &str) -> Option<String> {
          <i>L</i> = <i>r</i>; above 0 points have more neighbours than that, below fewer. Values at different <i>r</i> \
          share their pairs: they are correlated.{}",
         envelope::caption(a, &["k", "l_minus_r"])
+    ))
+}
+
+/// L - r within two classes and between them, with the band of the last; 0 for independent points.
+pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
+    let cross = analysis.cross_k()?;
+    let between = &cross.between;
+    let start = |b: usize| if b == 0 { 0.0 } else { between.r[b - 1] };
+    let intervals: Vec<_> = between.r.iter().enumerate().map(|(b, &r)| (start(b), r, r)).collect();
+    let band = |k: &KFunction| -> Vec<Option<(f64, f64)>> {
+        let ends = |(&l, se): (&f64, &Option<f64>)| (l - se.unwrap_or(0.0), l + se.unwrap_or(0.0));
+        k.l_minus_r.iter().zip(&k.l_se).map(|each| each.0.is_finite().then(|| ends(each))).collect()
+    };
+    let all = [&cross.a, &cross.b, between].map(band);
+    let ends = all.iter().flatten().flatten().flat_map(|&(lo, hi)| [lo, hi]);
+    let (lo, hi) = extent(&ends.chain([0.0]).collect::<Vec<_>>())?;
+    let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
+    let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
+    let at = |k: &KFunction| runs(intervals.iter().zip(&k.l_minus_r).map(|(&x, &l)| (x, l.is_finite().then_some(l))));
+    let line = |name, color, k: &KFunction| Layer::Line { name, color, width: 1.6, dashed: false, runs: at(k) };
+    let layers = vec![
+        Layer::Level { name: "independent: L = r".into(), y: 0.0 },
+        Layer::Band {
+            name: "±1 s.e.".into(),
+            color: BLUE,
+            runs: band_runs(intervals.iter().copied().zip(all[2].iter().copied())),
+        },
+        line(format!("{a} – {a}"), GREEN, &cross.a),
+        line(format!("{b} – {b}"), VERMILION, &cross.b),
+        line(format!("{a} – {b}"), BLUE, between),
+    ];
+    Some(Figure {
+        title: "L(r) − r of two classes, from Ripley's K function",
+        subject: analysis.subject.clone(),
+        note: format!("{} · {}", size(analysis), error_note(between.errors, "Poisson counts")),
+        x_label: "distance r (length units of the domain)".into(),
+        y_label: "L(r) − r (length units of the domain)".into(),
+        x: 0.0..intervals.last()?.2,
+        y: lo - pad..hi + pad,
+        log_x: false,
+        log_y: false,
+        top: None,
+        layers,
+    })
+}
+
+/// What the picture of K of two classes shows.
+pub(super) fn cross_k_caption(a: &Analysis, _: &str) -> Option<String> {
+    let [a, b] = a.cross_k()?.classes.each_ref().map(|name| escape(name));
+    Some(format!(
+        "<i>L</i>(<i>r</i>) − <i>r</i> of the classes {a} (<i>A</i>) and {b} (<i>B</i>) alone, and between them: \
+         <i>λ<sub>B</sub> K<sub>AB</sub></i>(<i>r</i>) is the mean number of points of <i>B</i> within <i>r</i> of a point \
+         of <i>A</i>. Between them 0 means that the classes are independent of each other, above 0 they attract."
     ))
 }

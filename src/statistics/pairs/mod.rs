@@ -31,9 +31,8 @@ impl Room for Here {
         }
         let smoothed = kernel::plans(ask, &bins, settings)?;
         let pairs = Pairs::new(ask, bins, settings)?;
-        let classes = (pairs.pcf && !ask.classes.is_empty())
-            .then(|| classes::Classes::new(ask.request, ask.classes, &pairs.plan))
-            .transpose()?;
+        let classes =
+            (!ask.classes.is_empty()).then(|| classes::Classes::new(ask.request, ask.classes, &pairs)).transpose()?;
         parts.add(pairs);
         if let Some((search, smoothed)) = smoothed {
             search.into_iter().for_each(|search| parts.add(search));
@@ -61,9 +60,16 @@ impl Room for Here {
                 Output::table("pcf.csv", tables::pcf),
                 Output::table("pcf_cross.csv", tables::cross),
                 Output::table("k_function.csv", tables::k_function),
+                Output::table("k_function_cross.csv", tables::cross_k),
                 Output::figure("pcf.svg", figures::pcf, "Pair correlation function", figures::pcf_caption),
                 Output::figure("pcf_cross.svg", figures::cross, "Two classes of points", figures::cross_caption),
                 Output::figure("k_function.svg", figures::k_function, "Ripley's <i>K</i> function", figures::k_caption),
+                Output::figure(
+                    "k_function_cross.svg",
+                    figures::cross_k,
+                    "Ripley's <i>K</i> of two classes",
+                    figures::cross_k_caption,
+                ),
             ]
         }
     }
@@ -71,7 +77,8 @@ impl Room for Here {
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
         keys.add("pair_correlation", &summary::pair_correlation(a))?;
         keys.add("cross_correlation", &summary::cross(a))?;
-        keys.add("k_function", &summary::k_function(a))
+        keys.add("k_function", &summary::k_function(a))?;
+        keys.add("cross_k_function", &summary::cross_k(a))
     }
 
     fn accuracy(&self, a: &Analysis) -> Option<Row> {
@@ -95,7 +102,7 @@ impl Room for Here {
             };
             rows.push(("<i>g</i> of two classes".into(), text));
         }
-        if let Some(k) = a.k_function() {
+        if let Some(k) = a.k_function().or(a.cross_k().map(|cross| &cross.between)) {
             let text = match k.errors {
                 ErrorSource::AcrossRealizations => across(a, "<i>K</i>"),
                 ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs, as for \
@@ -127,6 +134,12 @@ impl Room for Here {
             let pairs: u64 = cross.between.count.iter().sum();
             let [a, b] = &cross.classes;
             lines.push(format!("g of {a} and {b}: {pairs} pairs from {a} to {b}"));
+        }
+        if let Some(cross) = a.cross_k()
+            && let (Some(&r), Some(&l)) = (cross.between.r.last(), cross.between.l.last())
+        {
+            let [a, b] = &cross.classes;
+            lines.push(format!("L of {a} and {b}: {} at r = {}, r if they are independent", human(l), human(r)));
         }
         if let Some(k) = a.k_function()
             && let (Some(&r), Some(&neighbors)) = (k.r.last(), k.neighbors.last())

@@ -17,7 +17,7 @@ pub(super) struct PairCorrelationOut {
 
 #[derive(Serialize)]
 pub(super) struct CrossOut<'a> {
-    /// a and b of `pcf_cross.csv`.
+    /// As in the names of columns.
     classes: &'a [String; 2],
     correction: Correction,
     errors: ErrorSource,
@@ -67,6 +67,11 @@ pub(super) fn pair_correlation(a: &Analysis) -> Option<PairCorrelationOut> {
 /// Of two classes.
 pub(super) fn cross(a: &Analysis) -> Option<CrossOut<'_>> {
     a.cross().map(|c| CrossOut { classes: &c.classes, correction: a.correction, errors: c.between.errors })
+}
+
+/// Of K of two classes.
+pub(super) fn cross_k(a: &Analysis) -> Option<CrossOut<'_>> {
+    a.cross_k().map(|c| CrossOut { classes: &c.classes, correction: a.correction, errors: c.between.errors })
 }
 
 /// Of K.

@@ -36,6 +36,23 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Table> {
     )
 }
 
+/// `k_function_cross.csv`: as `k_function.csv` within each of two classes and between them, with their names as in
+/// `pcf_cross.csv`.
+pub(super) fn cross_k(analysis: &Analysis) -> Option<Table> {
+    let cross = analysis.cross_k()?;
+    let mut table = Table::new().floats("r", cross.between.r.iter().copied());
+    let [first, second] = &cross.classes;
+    for (from, to, k) in [(first, first, &cross.a), (second, second, &cross.b), (first, second, &cross.between)] {
+        table = table
+            .floats(format!("k_{from}_{to}"), k.k.iter().copied())
+            .floats(format!("k_{from}_{to}_se"), k.k_se.iter().copied())
+            .floats(format!("l_{from}_{to}"), k.l.iter().copied())
+            .optional(format!("l_{from}_{to}_se"), k.l_se.iter().copied())
+            .floats(format!("l_minus_r_{from}_{to}"), k.l_minus_r.iter().copied());
+    }
+    Some(table)
+}
+
 /// `pcf_cross.csv`: as `pcf.csv` within each of two classes and from the first to the second, with their names: of oaks and elms
 /// `g_oak_oak`, `g_elm_elm`, `g_oak_elm`.
 pub(super) fn cross(analysis: &Analysis) -> Option<Table> {

@@ -20,7 +20,9 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Table> {
             .optional("anisotropy_db_se", rings.iter().map(|r| r.anisotropy_db_se))
             .integers("independent_modes", rings.iter().map(|r| r.independent_modes))
             .bands(rings.iter().map(|r| r.band))
-            .floats("m", rings.iter().map(|r| r.m)),
+            .floats("m", rings.iter().map(|r| r.m))
+            .floats("nu_mean", rings.iter().map(|r| r.nu_mean))
+            .floats("m_mean", rings.iter().map(|r| r.m_mean)),
     )
 }
 
