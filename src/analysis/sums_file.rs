@@ -172,7 +172,7 @@ impl Measurement {
         let rests = if from.has("rests") { from.f64s("rests")? } else { vec![0.0; sides.len()] };
         let mut domain = Domain::from_numbers(boundary, from.f64s("origin")?, sides, rests)
             .map_err(|e| from.error(e.to_string()))?;
-        if from.has("polygon") {
+        if from.value("polygon").is_ok() {
             let polygon = Domain::polygon(from.read("polygon")?).map_err(|e| from.error(e.to_string()))?;
             if (polygon.boundary(), polygon.origin(), polygon.sides()) != (boundary, domain.origin(), domain.sides()) {
                 return Err(from.error("its polygon is not that of its window"));

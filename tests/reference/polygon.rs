@@ -3,9 +3,10 @@
 
 use crate::common::*;
 use geo::{Area, BooleanOps, Coord, LineString, Translate};
-use pairwave::compute::Compute;
+use pairwave::analysis::{Measurement, Plan};
 use pairwave::compute::cpu::Cpu;
 use pairwave::compute::reference::Reference;
+use pairwave::compute::{Compute, Device};
 use pairwave::control::Control;
 use pairwave::plan::{Correction, PairPlan, PairSettings, RadialBins};
 use pairwave::points::polygon::Ring;
@@ -173,8 +174,8 @@ fn a_box_is_a_box_however_it_is_drawn() {
         near(polygon.inner_diameter(), window.inner_diameter()) && near(polygon.circumradius(), window.circumradius())
     );
     let mut sets = inside(&polygon, 150, 5);
-    // On the sides, in a corner, and twice at one place.
-    sets.extend([x0, y0, x1, y0 + 0.25, x0 + 0.5, y1, x0 + 0.5, y1]);
+    // On the sides, in all corners (a side of the box is 2^63 steps), and twice at one place.
+    sets.extend([x0, y0, x1, y0, x1, y1, x0, y1, x1, y0 + 0.25, x0 + 0.5, y1, x0 + 0.5, y1]);
     for correction in CORRECTIONS {
         let counts = [&polygon, &window].map(|domain| {
             let ensemble = of(domain, &[sets.clone()]);
@@ -305,4 +306,28 @@ fn circles_in_and_about() {
     let two = Domain::polygon(vec![vec![square(0.0, 4.0)], vec![square(5.0, 6.0)]]).unwrap();
     assert!((two.circumradius() - 0.5f64.sqrt()).abs() < 1e-12);
     assert!((two.inner_diameter() - 4.0).abs() < 4e-4);
+}
+
+/// A file of sums knows its polygon, and does not go with sums of another.
+#[test]
+fn sums_of_a_polygon_are_written_and_read() {
+    let measured = |parts: Vec<Vec<Ring>>| {
+        let domain = Domain::polygon(parts).unwrap();
+        let request = request("--stats k-function --device cpu");
+        let sets = [inside(&Domain::polygon(ragged()).unwrap(), 40, 9)];
+        let source = std::sync::Arc::new(Points::new(domain, &sets).unwrap());
+        let plan = Plan::of(&request, &source).unwrap();
+        let mut measurement = Measurement::new(request, source, plan);
+        let device = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None).unwrap();
+        while measurement.step(&device, &Control::default()).unwrap() {}
+        measurement
+    };
+    let first = measured(ragged());
+    let read = Measurement::read("polygon.sums", &first.write()).unwrap();
+    let [a, b] = [&first, &read].map(|m| m.analysis().unwrap());
+    assert_eq!((&a.domain, &a.k_function().unwrap().k), (&b.domain, &b.k_function().unwrap().k));
+    let mut filled = ragged();
+    filled[0].truncate(1);
+    let mut other = measured(filled);
+    assert!(other.merge(read).unwrap_err().to_string().contains("domain"));
 }

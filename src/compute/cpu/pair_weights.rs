@@ -89,9 +89,8 @@ impl<'a> PairWeights<'a> {
     #[inline(always)]
     fn translation(&self, i: usize, j: usize) -> u64 {
         if let Some(polygon) = self.polygon {
-            // Of (i, j) or of (j, i), whichever comes first in the file: the lag that looks to the right.
-            let lag = [0, 1].map(|a| self.axes[a][j].wrapping_sub(self.axes[a][i]) as i64);
-            return polygon.translation(if lag < [0, 0] { lag.map(|x| -x) } else { lag });
+            let place = |j: usize| [0, 1].map(|a| self.axes[a][j]);
+            return polygon.translation(place(i), place(j));
         }
         let mut weight = 1.0;
         for (axis, a) in self.axes.iter().zip(self.sides) {

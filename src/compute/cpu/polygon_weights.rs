@@ -50,8 +50,10 @@ impl<'a> PolygonWeights<'a> {
     }
 
     /// `|W| / |W ∩ (W + h)|`, in steps of 2^-32.
-    pub(super) fn translation(&self, lag: [i64; 2]) -> u64 {
-        let h = lag.map(|x| x as f64 * STEP);
+    pub(super) fn translation(&self, i: [u64; 2], j: [u64; 2]) -> u64 {
+        let lag = [0, 1].map(|a| minus(j[a], i[a]) * STEP);
+        // Of (i, j) and of (j, i) the one that looks to the right: to the bit the same in either order.
+        let h = if lag < [0.0, 0.0] { lag.map(|x| -x) } else { lag };
         let length = h[0].hypot(h[1]);
         if length == 0.0 {
             return 1 << 32;
@@ -97,8 +99,7 @@ impl<'a> PolygonWeights<'a> {
 
     /// Where the outline crosses a circle: the angle, and 1 where it enters, -1 where it leaves.
     fn crossings(&self, center: [u64; 2], r2: f64, mut each: impl FnMut(f64, f64)) {
-        // Differences are exact until they are numbers.
-        let from_center = |p: [u64; 2]| [0, 1].map(|k| p[k].wrapping_sub(center[k]) as i64 as f64);
+        let from_center = |p: [u64; 2]| [0, 1].map(|k| minus(p[k], center[k]));
         let square = |[x, y]: [f64; 2]| x * x + y * y;
         for side in self.sides {
             let (a, b) = (from_center(side.from), from_center(side.to));
@@ -143,6 +144,11 @@ impl<'a> PolygonWeights<'a> {
         };
         self.ends.iter().filter(crossed).count() % 2 == 1
     }
+}
+
+/// `a - b`, which may be all of the 2^63 steps of a side: exact until it is a number.
+fn minus(a: u64, b: u64) -> f64 {
+    if a >= b { (a - b) as f64 } else { -((b - a) as f64) }
 }
 
 /// Length units to a step.

@@ -27,6 +27,9 @@ fn expected(domain: &Domain, n: f64) -> Option<(f64, f64)> {
     let (measure, sides) = (domain.measure(), domain.sides());
     if !domain.is_torus() {
         let &[a, b] = sides else { return None };
+        if domain.as_polygon().is_some() {
+            return None;
+        }
         let border = 2.0 * (a + b);
         let mean = 0.5 * (measure / n).sqrt() + (0.0514 + 0.041 / n.sqrt()) * border / n;
         return Some((mean, (0.0703 * measure / (n * n) + 0.037 * border * (measure / n.powi(5)).sqrt()).sqrt()));
