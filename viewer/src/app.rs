@@ -1,6 +1,7 @@
 //! The window: controls at the left, panels in the middle, what is going on at the bottom.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use eframe::egui;
 use pairwave::display::Panel;
@@ -8,7 +9,7 @@ use pairwave::request::Request;
 
 use crate::actions::{Action, Keyed, Take};
 use crate::controls::Controls;
-use crate::engine::{SetId, Snapshot};
+use crate::engine::{PACE, SetId, Snapshot};
 use crate::export::{self, Exports};
 use crate::files::{self, Answer, Choice, Files};
 use crate::hover::Hover;
@@ -25,6 +26,10 @@ pub struct Viewer {
     state: State,
     /// Whether the status line has the time it took.
     pub timings: bool,
+    /// Whether the processor draws, which measures too: results are then shown less often.
+    pub drawn_by_processor: bool,
+    /// Time between two results of a set, as the worker was last told.
+    pace: Duration,
     hover: Hover,
     controls: Controls,
     panels: Panels,
@@ -50,6 +55,8 @@ impl Viewer {
         let mut viewer = Self {
             state: State::default(),
             timings: true,
+            drawn_by_processor: false,
+            pace: PACE,
             hover: Hover::default(),
             controls: Controls::default(),
             panels: Panels::default(),
@@ -116,6 +123,15 @@ impl Viewer {
         self.held.keys().filter(|id| !is_there(id)).for_each(|id| self.worker.remove(*id));
         self.asked.retain(|id, _| is_there(id));
         self.held.retain(|id, _| is_there(id));
+    }
+
+    /// Has results come as often as drawing them leaves the processor to measuring.
+    fn keep_pace(&mut self, ctx: &egui::Context) {
+        let pixels = ctx.content_rect().area() * ctx.pixels_per_point().powi(2);
+        let pace = if self.drawn_by_processor { pace_of(pixels) } else { PACE };
+        if std::mem::replace(&mut self.pace, pace) != pace {
+            self.worker.pace(pace);
+        }
     }
 
     /// Names the window after what is in it.
@@ -194,6 +210,7 @@ impl Viewer {
             Theme::Light => egui::ThemePreference::Light,
             Theme::Dark => egui::ThemePreference::Dark,
         });
+        self.keep_pace(&ctx);
         self.exchange();
         let actions = help::shortcuts(&ctx, self.state.help);
         self.carry_out(&ctx, actions);
@@ -346,6 +363,11 @@ impl Viewer {
         ctx.copy_text(request.command());
         self.state.messages.note(export::copied(&request));
     }
+}
+
+/// Software Vulkan takes all cores for about 0.1 microseconds per pixel: a tenth of the time for drawing.
+fn pace_of(pixels: f32) -> Duration {
+    Duration::from_micros(pixels as u64).clamp(PACE, Duration::from_secs(4))
 }
 
 impl eframe::App for Viewer {
