@@ -15,7 +15,8 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, LagReach, SmoothingKernel,
+    Taper,
 };
 use crate::points::Boundary;
 use crate::points::read::RawLayout;

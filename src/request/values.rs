@@ -8,7 +8,9 @@ use super::{DEFAULT_STATISTICS, Request, Statistic};
 use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::memory::Memory;
-use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper};
+use crate::plan::{
+    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper,
+};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 use crate::setting::Setting;

@@ -174,6 +174,13 @@ impl Viewer {
         self.state.sets.iter().map(|set| set.snapshot.as_deref())
     }
 
+    /// Light or dark, as the last window had it.
+    pub fn keep_theme(&mut self, last: &str) {
+        if let Ok(session) = Session::parse(last) {
+            self.state.view.theme = session.theme();
+        }
+    }
+
     /// The session as text.
     pub fn session(&self) -> String {
         Session::of(&self.state).text()
@@ -220,12 +227,15 @@ impl Viewer {
         self.name_window(&ctx);
         let bottom = egui::Panel::bottom("status").show(ui, |ui| status::show(ui, &self.state, self.timings));
         self.carry_out(&ctx, bottom.inner);
-        let left = egui::Panel::left("controls")
-            .resizable(true)
-            .default_size(248.0)
-            .size_range(220.0..=420.0)
-            .show(ui, |ui| egui::ScrollArea::vertical().show(ui, |ui| self.controls.show(ui, &self.state)).inner);
-        self.carry_out(&ctx, left.inner);
+        if self.state.view.controls {
+            let left = egui::Panel::left("controls").resizable(true).default_size(248.0).size_range(220.0..=420.0);
+            let left = left.show(ui, |ui| {
+                // Beside the controls, never over them.
+                ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
+                egui::ScrollArea::vertical().show(ui, |ui| self.controls.show(ui, &self.state)).inner
+            });
+            self.carry_out(&ctx, left.inner);
+        }
         let mut actions = Vec::new();
         let middle = egui::CentralPanel::default().show(ui, |ui| {
             let mut scene = Scene {
@@ -301,6 +311,7 @@ impl Viewer {
             // Which one, its key says: an `Action::Maximize`.
             Keyed::Panel => {}
             Keyed::ResetZoom => self.panels.reset(),
+            Keyed::Controls => state.view.controls = !state.view.controls,
             Keyed::Theme => state.view.theme = state.view.theme.next(),
             Keyed::More => state.double(),
             Keyed::Fewer => state.halve(),

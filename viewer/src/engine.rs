@@ -11,6 +11,8 @@ use pairwave::request::DeviceChoice;
 use pairwave::request::Request;
 use pairwave::{Error, Result, Setting};
 
+use crate::controls;
+
 /// Estimates are made at most this often per set while sums come in: more often than anyone can see costs only time.
 pub const PACE: Duration = Duration::from_millis(100);
 
@@ -69,14 +71,7 @@ struct Task {
 
 impl Default for Engine {
     fn default() -> Self {
-        Self {
-            pace: PACE,
-            jobs: BTreeMap::new(),
-            held: BTreeSet::new(),
-            devices: Vec::new(),
-            last: 0,
-            generation: 0,
-        }
+        Self { pace: PACE, jobs: BTreeMap::new(), held: BTreeSet::new(), devices: Vec::new(), last: 0, generation: 0 }
     }
 }
 
@@ -161,7 +156,7 @@ impl Engine {
                 analysis,
                 status: measurement.map(Measurement::status),
                 done: matches!(more, Ok(false)),
-                error: more.as_ref().err().map(|e| e.told(Setting::flag)),
+                error: more.as_ref().err().map(|e| e.told(controls::title)),
                 setting: match more {
                     Err(Error::Setting { setting, .. }) => Some(setting),
                     _ => None,

@@ -75,6 +75,8 @@ fn main() -> ExitCode {
             match (&session, last) {
                 (Some(session), _) => viewer.take_session(session)?,
                 (None, Some(last)) if !asked && !fresh => viewer.reopen(&last),
+                // Points are others, eyes are not.
+                (None, Some(last)) => viewer.keep_theme(&last),
                 _ => {}
             }
             Ok(Box::new(viewer))
