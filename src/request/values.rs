@@ -10,7 +10,9 @@ use super::{DEFAULT_STATISTICS, Request, Statistic};
 use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::memory::Memory;
-use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
+use crate::plan::{
+    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper,
+};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 use crate::setting::Setting;
@@ -164,6 +166,15 @@ impl Value for Bandwidth {
             Self::Given(bandwidth) => (*bandwidth).into(),
             rule => rule.to_string().into(),
         }
+    }
+    fn parse(text: &str) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl Value for LagReach {
+    fn text(&self) -> String {
+        self.to_string()
     }
     fn parse(text: &str) -> Result<Self, String> {
         text.parse()
