@@ -61,6 +61,8 @@ settings! {
     Sides = "sides",
     /// The window.
     Window = "window",
+    /// The window as a polygon.
+    WindowPolygon = "window_polygon",
     /// Whether points outside the torus are folded back in.
     Wrap = "wrap",
     /// Statistics to compute.

@@ -74,10 +74,12 @@ pub enum NoBonds {
     AllOutside,
     /// Not asked for.
     NotAskedFor,
+    /// Neighbours across a notch or a hole of a polygon are none.
+    InPolygon,
 }
 
 impl NoBonds {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::NotPlanar,
         Self::FewPoints,
         Self::OneLine,
@@ -86,6 +88,7 @@ impl NoBonds {
         Self::Empty,
         Self::AllOutside,
         Self::NotAskedFor,
+        Self::InPolygon,
     ];
 
     /// In words.
@@ -99,6 +102,7 @@ impl NoBonds {
             Self::Empty => "the points leave too much of the box empty",
             Self::AllOutside => "no point is surrounded by others",
             Self::NotAskedFor => "not asked for",
+            Self::InPolygon => "not computed in a polygon, across whose notches and holes points are no neighbours",
         }
     }
 }

@@ -93,13 +93,25 @@ fn csr(domain: &Domain, seed: u64, first: u64, sizes: &[u64]) -> Result<Ensemble
     let values = ParameterValues::defaults(sampler)?;
     let dim = domain.dim();
     let one = |(index, &n): (u64, &u64)| {
-        let realization = Realization { n, dim, seed, index };
-        let mut coordinates = if n == 0 { Vec::new() } else { sampler.generate(&realization, &values)? };
-        for point in coordinates.chunks_exact_mut(dim) {
-            for ((x, origin), side) in point.iter_mut().zip(domain.origin()).zip(domain.sides()) {
-                *x = origin + *x * side;
+        // Of a polygon those of the box that are inside, the first n of as many as it takes.
+        let mut drawn = n;
+        let coordinates = loop {
+            let realization = Realization { n: drawn, dim, seed, index };
+            let mut coordinates = if drawn == 0 { Vec::new() } else { sampler.generate(&realization, &values)? };
+            for point in coordinates.chunks_exact_mut(dim) {
+                for ((x, origin), side) in point.iter_mut().zip(domain.origin()).zip(domain.sides()) {
+                    *x = origin + *x * side;
+                }
             }
-        }
+            let Some(polygon) = domain.as_polygon() else { break coordinates };
+            let inside = coordinates.as_chunks::<2>().0.iter().filter(|point| polygon.contains_point(**point));
+            let inside: Vec<f64> = inside.take(n as usize).flatten().copied().collect();
+            if inside.len() as u64 == 2 * n {
+                break inside;
+            }
+            let share = domain.measure() / domain.sides().iter().product::<f64>();
+            drawn = (2 * drawn).max((1.1 * n as f64 / share) as u64 + 16);
+        };
         Ok(RawPoints { dim, coordinates, source: "simulation".into(), lines: Vec::new() })
     };
     let sets: Vec<_> = (first..first + sizes.len() as u64).zip(sizes).collect();

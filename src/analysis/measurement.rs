@@ -103,7 +103,7 @@ impl Measurement {
     pub fn new(request: Request, source: Arc<Points>, plan: Plan) -> Self {
         let span = 0..source.shape().realizations;
         let tracks = plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
-        let warnings = source.warnings().to_vec();
+        let warnings = source.warnings().iter().cloned().chain(plan.left_out.map(String::from)).collect();
         Self {
             request,
             source,

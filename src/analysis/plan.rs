@@ -1,5 +1,6 @@
 //! A request and the number of points -> everything decided before the first sum: a value that prints.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use crate::compute::Compute;
@@ -21,6 +22,8 @@ pub struct Plan {
     pub(super) lists: Lists,
     /// Simulations for envelopes: drawn from complete spatial randomness, or given.
     pub(super) simulations: u64,
+    /// What of the default is not measured, and why.
+    pub(super) left_out: Option<&'static str>,
     /// Whether they were given.
     pub(super) simulations_given: bool,
     /// Realizations worked on at a time.
@@ -65,6 +68,8 @@ impl Plan {
         classes: &[String],
         lists: Lists,
     ) -> Result<Self> {
+        let (request, left_out) = available(request, domain);
+        let request = request.as_ref();
         let ask = Ask { request, lists: &lists, domain, shape, classes };
         let of_pairs = [Statistic::Pcf, Statistic::KFunction, Statistic::PcfVector, Statistic::Neighbors];
         check_points(of_pairs.into_iter().any(|s| ask.wants(s)), shape)?;
@@ -84,7 +89,7 @@ impl Plan {
                 format!("simulated points would have no weights, those of the file have (`weight_column` {column})");
             return Err(Error::setting(Setting::Envelope, n, reason));
         }
-        Ok(Self { parts, lists, simulations, simulations_given: false, batch, shape })
+        Ok(Self { parts, lists, simulations, simulations_given: false, left_out, batch, shape })
     }
 
     /// What was read of the files of numbers that the request names, in a line; none if they were given otherwise.
@@ -116,6 +121,16 @@ impl Plan {
         self.parts.iter().filter_map(|part| part.in_simulations()).for_each(|part| parts.push(part));
         Self { parts, simulations: 0, ..self.clone() }
     }
+}
+
+/// Without the spectrum in a polygon, where nothing in particular was asked for; with a word about it.
+fn available<'a>(request: &'a Request, domain: &Domain) -> (Cow<'a, Request>, Option<&'static str>) {
+    if domain.as_polygon().is_none() || request.stats != Request::default().stats {
+        return (Cow::Borrowed(request), None);
+    }
+    let stats = request.stats.iter().copied().filter(|s| *s != Statistic::Spectrum).collect();
+    let word = "the spectrum is not measured: it is not available for points in a polygon (`window_polygon`)";
+    (Cow::Owned(Request { stats, ..request.clone() }), Some(word))
 }
 
 /// The number of simulations, of curves with so many values that they can be held.
@@ -189,7 +204,11 @@ impl fmt::Display for Plan {
         // Rings are read off the sums of P.
         let skipped = Statistic::ALL.iter().filter(|s| **s != Statistic::Radial && !measured.contains(s));
         for statistic in skipped {
-            writeln!(f, "skipped: {} (not asked for)", statistic.name())?;
+            let why = match (statistic, self.left_out) {
+                (Statistic::Spectrum, Some(_)) => "not available in a polygon",
+                _ => "not asked for",
+            };
+            writeln!(f, "skipped: {} ({why})", statistic.name())?;
         }
         writeln!(f, "together: {} realizations at a time", self.batch)?;
         let mut all: Vec<_> = self.parts.iter().map(|part| (part.name(), self.seconds(part))).collect();

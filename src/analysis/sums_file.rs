@@ -133,6 +133,9 @@ impl Measurement {
         if domain.rests().iter().any(|&rest| rest != 0.0) {
             out.f64s("rests", domain.rests().iter().copied());
         }
+        if let Some(polygon) = domain.as_polygon() {
+            out.value("polygon", json!(polygon.parts()));
+        }
         let (edges, frequencies) = self.plan.lists.read();
         let mirrored = frequencies.map(|f| f.mirrored);
         let read = self.plan.lists_read();
@@ -167,8 +170,15 @@ impl Measurement {
         let boundary: Boundary = from.read("boundary")?;
         let sides = from.f64s("sides")?;
         let rests = if from.has("rests") { from.f64s("rests")? } else { vec![0.0; sides.len()] };
-        let domain = Domain::from_numbers(boundary, from.f64s("origin")?, sides, rests)
+        let mut domain = Domain::from_numbers(boundary, from.f64s("origin")?, sides, rests)
             .map_err(|e| from.error(e.to_string()))?;
+        if from.has("polygon") {
+            let polygon = Domain::polygon(from.read("polygon")?).map_err(|e| from.error(e.to_string()))?;
+            if (polygon.boundary(), polygon.origin(), polygon.sides()) != (boundary, domain.origin(), domain.sides()) {
+                return Err(from.error("its polygon is not that of its window"));
+            }
+            domain = polygon;
+        }
         let [realizations, mean_points, max_points]: [u64; 3] = from.read("shape")?;
         let shape = EnsembleShape { realizations, mean_points: f64::from_bits(mean_points), max_points };
         let lists = read_lists(&from, &domain)?;

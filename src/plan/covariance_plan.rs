@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Batch, EnsembleShape, WaveGrid};
+use super::{Batch, EnsembleShape, WaveGrid, refuse_polygon};
 use crate::error::{Error, Result};
 use crate::points::Domain;
 use crate::setting::Setting;
@@ -33,6 +33,7 @@ impl CovariancePlan {
     /// # Errors
     /// A frequency of 0 or one whose products would not fit.
     pub fn new(domain: &Domain, largest: Option<u32>, shape: EnsembleShape) -> Result<Self> {
+        refuse_polygon(domain, "covariance")?;
         let dim = domain.dim();
         let largest = largest.unwrap_or([64, 8, 2][dim - 1]);
         let modes = (2 * u128::from(largest) + 1).pow(dim as u32);

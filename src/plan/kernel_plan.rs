@@ -60,7 +60,7 @@ pub(super) fn longest_distance(domain: &Domain, correction: Correction) -> f64 {
     match correction {
         _ if domain.is_torus() => 0.5 * domain.shortest_side(),
         Correction::Isotropic => super::nearly_half_diagonal(domain),
-        _ => (1.0 - 1e-6) * domain.shortest_side(),
+        _ => (1.0 - 1e-6) * domain.inner_diameter(),
     }
 }
 
@@ -86,8 +86,13 @@ impl KernelPlan {
             return Err(Error::setting(Setting::Correction, settings.correction, reason));
         }
         // Written so that NaN fails.
-        if !(kernel.bandwidth > 0.0 && kernel.bandwidth < domain.shortest_side()) {
-            let reason = format!("expected more than 0 and less than the shortest side ({})", domain.shortest_side());
+        if !(kernel.bandwidth > 0.0 && kernel.bandwidth < domain.inner_diameter()) {
+            let what = if domain.as_polygon().is_some() {
+                "diameter of the largest circle in the polygon"
+            } else {
+                "shortest side"
+            };
+            let reason = format!("expected more than 0 and less than the {what} ({})", domain.inner_diameter());
             return Err(Error::setting(Setting::Bandwidth, number(kernel.bandwidth), reason));
         }
         let last = r.last().copied().unwrap_or(0.0);

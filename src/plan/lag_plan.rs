@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Batch, Correction, EnsembleShape};
+use super::{Batch, Correction, EnsembleShape, refuse_polygon};
 use crate::error::{Error, Result, number, numbers};
 use crate::points::{Domain, mantissa_exponent};
 use crate::setting::Setting;
@@ -96,6 +96,7 @@ impl LagGrid {
     /// # Errors
     /// Numbers of bins, largest lags or radii of lag rings that cannot be in the domain, or do not fit into memory.
     pub fn new(domain: &Domain, bins: usize, lag_max: Option<f64>) -> Result<Self> {
+        refuse_polygon(domain, "pcf-vector")?;
         let dim = domain.dim() as u32;
         let fitting = (1..=MAX_LAG_BINS).contains(&bins) && bins.checked_pow(dim).is_some_and(|c| c <= MAX_LAG_CELLS);
         if !fitting {

@@ -25,7 +25,10 @@ mod wave_rings;
 mod wave_sectors;
 mod wave_vectors;
 
+use crate::error::{Error, Result};
+use crate::points::Domain;
 pub use crate::points::EnsembleShape;
+use crate::setting::Setting;
 pub use accuracy::{Accuracy, GPU_WEIGHT_BOUND, PowerBound};
 pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
@@ -54,6 +57,15 @@ pub use wave_plan::WavePlan;
 pub use wave_rings::Rings;
 pub use wave_sectors::{DEFAULT_SECTORS, MAX_SECTORS, Sectors};
 pub use wave_vectors::{WaveList, WaveVectors};
+
+/// What is not there for points in a polygon: tapers and set covariances of boxes are products along axes.
+fn refuse_polygon(domain: &Domain, statistic: &str) -> Result<()> {
+    if domain.as_polygon().is_none() {
+        return Ok(());
+    }
+    let reason = "is not available for points in a polygon (`window_polygon`); expected pcf, k-function or neighbors";
+    Err(Error::setting(Setting::Stats, statistic, reason))
+}
 
 /// Realizations per leaf. Shards cut at multiples of this merge to the bytes of the whole run.
 pub const LEAF: u64 = 16;

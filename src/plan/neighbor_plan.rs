@@ -1,6 +1,9 @@
 //! The plan for nearest-neighbour statistics: at which distances, and from where space is probed.
 
 use std::fmt;
+use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use super::{Batch, EnsembleShape, RadialBins};
 use crate::error::Result;
@@ -51,20 +54,22 @@ impl NeighborPlan {
             r: bins.edges().to_vec(),
             thresholds: bins.thresholds(domain)?,
             probes: ProbeLattice::new(domain, shape),
-            bonds: true,
+            bonds: domain.as_polygon().is_none(),
             classes: None,
             batch,
         })
     }
 }
 
-/// A lattice of test points: per axis a number m of them, at (i + 1/2) L / m.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A lattice of test points: per axis a number m of them, at (i + 1/2) L / m; of a polygon those inside.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProbeLattice {
     /// Test points per axis; 1 on axes beyond the dimension.
     pub counts: [u64; 3],
     /// Extent of the box per axis, in fixed-point steps.
     extents: [u128; 3],
+    /// Of a polygon the numbers of those inside.
+    inside: Option<Arc<[usize]>>,
 }
 
 impl ProbeLattice {
@@ -82,33 +87,35 @@ impl ProbeLattice {
                 period => u128::from(period),
             };
         }
-        Self { counts, extents }
+        let all = Self { counts, extents, inside: None };
+        let inside = domain.as_polygon().map(|polygon| {
+            let within = |&index: &usize| {
+                let [x, y, _] = all.position(index);
+                polygon.contains([x, y])
+            };
+            (0..all.len()).into_par_iter().filter(within).collect::<Vec<_>>().into()
+        });
+        Self { inside, ..all }
     }
 
     /// Number of test points.
     pub fn len(&self) -> usize {
-        self.counts.iter().product::<u64>() as usize
+        self.inside.as_ref().map_or_else(|| self.counts.iter().product::<u64>() as usize, |inside| inside.len())
     }
 
-    /// Never: there is at least one.
+    /// Only where a polygon is so thin that it holds none.
     pub fn is_empty(&self) -> bool {
-        false
+        self.len() == 0
     }
 
     /// Test point `index`, in fixed-point steps.
     pub fn position(&self, index: usize) -> [u64; 3] {
-        let mut rest = index as u64;
+        let mut rest = self.inside.as_ref().map_or(index, |inside| inside[index]) as u64;
         std::array::from_fn(|a| {
             let i = u128::from(rest % self.counts[a]);
             rest /= self.counts[a];
             ((2 * i + 1) * self.extents[a] / (2 * u128::from(self.counts[a]))) as u64
         })
-    }
-
-    /// The distance from a place to the border of the box, in steps.
-    pub fn to_border(&self, steps: &[u64]) -> u128 {
-        let along = |(&x, &extent): (&u64, &u128)| u128::from(x).min(extent.saturating_sub(u128::from(x)));
-        steps.iter().zip(&self.extents).map(along).min().unwrap_or(0)
     }
 }
 
@@ -124,7 +131,10 @@ impl fmt::Display for NeighborPlan {
         let edges = if self.domain.is_torus() { "no edges" } else { "Kaplan-Meier" };
         writeln!(f, "neighbours: k-d tree, exact distances of the pairs it finds")?;
         writeln!(f, "  G, F, J at {} distances, {edges}; F from {} test points", self.r.len(), counts.join(" x "))?;
-        if self.domain.dim() == 2 {
+        if self.domain.as_polygon().is_some() {
+            writeln!(f, "    of which {} are in the polygon", self.probes.len())?;
+            writeln!(f, "  skipped: psi_6 (neighbours across a notch or a hole are none)")?;
+        } else if self.domain.dim() == 2 {
             let periodic = if self.domain.is_torus() { "periodic " } else { "" };
             writeln!(f, "  psi_6: {periodic}Delaunay triangulation")?;
         }
@@ -166,11 +176,9 @@ mod tests {
     #[test]
     fn distances_to_the_border_are_exact() {
         let domain = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
-        let shape = EnsembleShape { realizations: 1, mean_points: 100.0, max_points: 100 };
-        let probes = ProbeLattice::new(&domain, shape);
         // The length unit is 4.
-        let at = |x: f64, y: f64| probes.to_border(&[x, y].map(|v| (v / 4.0 * 2f64.powi(64)) as u64));
-        let steps = |d: f64| (d / 4.0 * 2f64.powi(64)) as u128;
+        let at = |x: f64, y: f64| domain.border().distance(&[x, y].map(|v| (v / 4.0 * 2f64.powi(64)) as u64));
+        let steps = |d: f64| (d / 4.0 * 2f64.powi(64)) as u64;
         assert_eq!(at(0.25, 0.5), steps(0.25));
         assert_eq!(at(1.875, 0.5), steps(0.125));
         assert_eq!(at(1.0, 0.75), steps(0.25));

@@ -28,6 +28,10 @@ pub enum Correction {
 
 named!(Correction: None = "none", Translation = "translation", Isotropic = "isotropic", Border = "border");
 
+/// Seconds to look at a side of a polygon for a point or a circle, and at two for what they overlap.
+const PER_SIDE: f64 = 3e-9;
+const PER_OVERLAP: f64 = 1e-8;
+
 /// What is counted, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PairSettings {
@@ -121,9 +125,10 @@ impl PairPlan {
         })
     }
 
-    /// The default `r_max`: 8 closest-packing distances, at most half the shortest side.
+    /// The default `r_max`: 8 closest-packing distances, at most half the shortest side, or the radius of the largest circle in a
+    /// polygon.
     pub fn default_r_max(domain: &Domain, mean_points: f64) -> f64 {
-        (8.0 * domain.closest_packing_distance(mean_points)).min(domain.shortest_side() / 2.0)
+        (8.0 * domain.closest_packing_distance(mean_points)).min(domain.inner_diameter() / 2.0)
     }
 
     /// Exact measure of what of the shell of bin `k` can hold pairs: all of it, or on a torus beyond half the shortest side
@@ -201,7 +206,30 @@ impl PairPlan {
     /// What a realization takes by the search that is planned.
     pub fn seconds(&self) -> f64 {
         let all = self.searches(&self.device.costs);
-        all.iter().find(|s| s.search == self.search).map_or(0.0, |s| s.seconds)
+        all.iter().find(|s| s.search == self.search).map_or(0.0, |s| s.seconds) + self.polygon_seconds()
+    }
+
+    /// What the weights of a realization take in a polygon, besides counting.
+    fn polygon_seconds(&self) -> f64 {
+        let Some(polygon) = self.domain.as_polygon() else { return 0.0 };
+        let (n, sides, r) = (self.shape.mean_points, polygon.sides().len() as f64, self.bins.r_max());
+        let ball: f64 = (0..self.bins.len()).map(|bin| self.bins.shell_measure(bin, 2)).sum();
+        let pairs = 0.5 * n * (n - 1.0).max(0.0) * (ball / polygon.area()).min(1.0);
+        // However jagged.
+        let outline = polygon.length().min(TAU * polygon.circumradius());
+        match self.correction {
+            Correction::None => 0.0,
+            Correction::Border => n * sides * PER_SIDE,
+            // Sides, and pairs of sides that are near.
+            Correction::Translation => {
+                let near = 0.5 * sides * sides * (2.0 * r / outline).min(1.0);
+                pairs * (sides * PER_SIDE + (sides + near) * PER_OVERLAP)
+            }
+            // Circles about points near the border, from both ends of a pair.
+            Correction::Isotropic => {
+                n * sides * PER_SIDE + 2.0 * pairs * (0.5 * r * outline / polygon.area()).min(1.0) * sides * PER_SIDE
+            }
+        }
     }
 
     /// Unordered pairs in all realizations, looked at or not.
@@ -214,7 +242,7 @@ impl PairPlan {
 /// The longest distance of isotropic edge correction. In the plane weights grow without bound towards half the diagonal: this far
 /// below they are at most 2^29.
 pub(crate) fn nearly_half_diagonal(domain: &Domain) -> f64 {
-    if domain.dim() == 1 { domain.half_diagonal() } else { domain.half_diagonal() * (1.0 - 1e-8) }
+    if domain.dim() == 1 { domain.circumradius() } else { domain.circumradius() * (1.0 - 1e-8) }
 }
 
 fn check_correction(domain: &Domain, correction: Correction, masses: bool) -> Result<()> {
@@ -234,7 +262,8 @@ fn check_correction(domain: &Domain, correction: Correction, masses: bool) -> Re
 /// pair must be seen from somewhere (translation, none), every point must have some of its circle inside (isotropic),
 /// some points must be that far from the border.
 fn check_r_max(domain: &Domain, correction: Correction, beyond_half: bool, r_max: f64) -> Result<()> {
-    let (side, diagonal) = (domain.shortest_side(), domain.half_diagonal());
+    let (side, diagonal) = (domain.inner_diameter(), domain.circumradius());
+    let polygon = domain.as_polygon().is_some();
     let (fits, reason) = match (domain.is_torus(), correction) {
         (true, _) if beyond_half => (
             r_max <= diagonal,
@@ -246,6 +275,27 @@ fn check_r_max(domain: &Domain, correction: Correction, beyond_half: bool, r_max
                 "beyond half the shortest side ({0}) a ring does not fit into the torus and g would be under-counted; \
                  expected at most {0}, or `beyond_half`, which compares with the part that fits",
                 side / 2.0
+            ),
+        ),
+        (false, Correction::Isotropic) if polygon => (
+            r_max <= nearly_half_diagonal(domain),
+            format!(
+                "expected less than the radius of the smallest circle about a part of the polygon ({diagonal}): beyond, some points see \
+                 nothing of the circle"
+            ),
+        ),
+        (false, Correction::Border) if polygon => (
+            r_max < side / 2.0,
+            format!(
+                "expected less than the radius of the largest circle in the polygon ({}): no point is further from the border",
+                side / 2.0
+            ),
+        ),
+        (false, _) if polygon => (
+            r_max <= side * (1.0 - 1e-6),
+            format!(
+                "expected less than the diameter of the largest circle in the polygon ({side}): beyond, some directions may never be seen; \
+                 `correction` isotropic reaches to {diagonal}"
             ),
         ),
         (false, Correction::Isotropic) => (
@@ -310,6 +360,14 @@ impl fmt::Display for PairPlan {
         match self.correction {
             Correction::None => writeln!(f, "  skipped: edge weights (not asked for or a torus)"),
             Correction::Border => writeln!(f, "  border: pairs seen from points deeper inside than the distance"),
+            weights if let Some(polygon) = self.domain.as_polygon() => {
+                let sides = polygon.sides().len();
+                let seconds = self.polygon_seconds();
+                writeln!(
+                    f,
+                    "  {weights} weights exact by the {sides} sides of the polygon, {seconds:.2e} s per realization, in steps of 2^-32"
+                )
+            }
             Correction::Isotropic => {
                 writeln!(f, "  isotropic weights up to {:.3}, in steps of 2^-32", self.largest_isotropic())
             }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{
     Accuracy, Batch, Conventions, EnsembleShape, MEMORY_BUDGET, MethodEstimate, NufftSizes, RING_DIRECTIONS_RULE,
-    Rings, Sectors, TaperPlan, WaveCosts, WaveMethod, WaveVectors,
+    Rings, Sectors, TaperPlan, WaveCosts, WaveMethod, WaveVectors, refuse_polygon,
 };
 use crate::error::{Error, Result, numbers};
 use crate::memory::Memory;
@@ -51,6 +51,7 @@ impl WavePlan {
         accuracy: Accuracy,
         shape: EnsembleShape,
     ) -> Result<Self> {
+        refuse_polygon(domain, "spectrum, radial")?;
         let waves = waves.into();
         if let Some(grid) = waves.grid().filter(|grid| grid.dim() != domain.dim()) {
             let given = &grid.max_frequency()[..grid.dim()];

@@ -1,6 +1,9 @@
-//! Where points live: a torus that wraps, or a rectangular window that does not.
+//! Where points live: a torus that wraps, or a window that does not, a box or a polygon.
+
+use std::sync::Arc;
 
 use super::fixed_point::{difference, steps};
+use super::polygon::{Polygon, Ring, as_box};
 use crate::error::{Error, Result, number, numbers};
 use crate::named::named;
 use crate::setting::Setting;
@@ -18,7 +21,7 @@ pub enum Boundary {
 
 named!(Boundary: Torus = "torus", Window = "window");
 
-/// `unit torus`, `torus of sides 2, 1`, `window [0, 10] x [0, 5]`.
+/// `unit torus`, `torus of sides 2, 1`, `window [0, 10] x [0, 5]`, `polygon of 6 vertices in [0, 10] x [0, 5]`.
 impl std::fmt::Display for Domain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.boundary {
@@ -27,13 +30,17 @@ impl std::fmt::Display for Domain {
             Boundary::Window => {
                 let range = |(&o, &s): (&f64, &f64)| format!("[{}, {}]", number(o), number(o + s));
                 let ranges: Vec<_> = self.origin.iter().zip(&self.sides).map(range).collect();
-                write!(f, "window {}", ranges.join(" x "))
+                match &self.polygon {
+                    Some(polygon) => write!(f, "polygon of {} in {}", polygon.words(), ranges.join(" x ")),
+                    None => write!(f, "window {}", ranges.join(" x ")),
+                }
             }
         }
     }
 }
 
-/// An axis-aligned box in 1, 2 or 3 dimensions. Torus: `[origin, origin + side)`; window: closed on both ends.
+/// An axis-aligned box in 1, 2 or 3 dimensions. Torus: `[origin, origin + side)`; window: closed on both ends. Or a window that is a
+/// polygon, in its bounding box.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Domain {
     boundary: Boundary,
@@ -43,12 +50,21 @@ pub struct Domain {
     /// at the upper corner is at the sum.
     #[serde(skip)]
     rests: Vec<f64>,
+    /// What of the box is the window, if not all of it.
+    #[serde(serialize_with = "parts_of", skip_serializing_if = "Option::is_none")]
+    polygon: Option<Arc<Polygon>>,
+}
+
+/// A polygon as its rings, part by part.
+fn parts_of<S: serde::Serializer>(polygon: &Option<Arc<Polygon>>, serializer: S) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(&polygon.as_ref().map(|p| p.parts()), serializer)
 }
 
 impl Domain {
     /// The unit torus `[0, 1)^dim`. `dim` is clamped to 1..=3 by the callers' checks.
     pub fn unit_torus(dim: usize) -> Self {
-        Self { boundary: Boundary::Torus, origin: vec![0.0; dim], sides: vec![1.0; dim], rests: vec![0.0; dim] }
+        let (origin, sides, rests) = (vec![0.0; dim], vec![1.0; dim], vec![0.0; dim]);
+        Self { boundary: Boundary::Torus, origin, sides, rests, polygon: None }
     }
 
     /// A torus `[0, L_k)` with the given sides.
@@ -68,6 +84,52 @@ impl Domain {
         let origin = ranges.iter().map(|r| r.0).collect();
         let [sides, rests] = [0, 1].map(|part| ranges.iter().map(|r| difference(r.1, r.0)[part]).collect());
         Self::checked(Boundary::Window, origin, sides, rests, Setting::Window, "x0,x1,y0,y1[,z0,z1] with x0 < x1")
+    }
+
+    /// A window that is a polygon: per part its outer ring and its holes, closed or not, in either direction. One that is a box is
+    /// the window of that box.
+    ///
+    /// ```
+    /// use pairwave::points::Domain;
+    ///
+    /// let square = vec![[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]];
+    /// let hole = vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]];
+    /// assert_eq!(Domain::polygon(vec![vec![square, hole]])?.measure(), 8.0);
+    /// # Ok::<(), pairwave::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Rings that cross, holes outside their ring, parts that overlap, what has no area, each by its ring; as `window` of the
+    /// bounding box.
+    pub fn polygon(parts: Vec<Vec<Ring>>) -> Result<Self> {
+        let parts = Polygon::checked(parts)
+            .map_err(|fault| Error::setting(Setting::WindowPolygon, fault.ring, fault.reason))?;
+        if let Some(ranges) = as_box(&parts) {
+            return Self::window(&ranges);
+        }
+        let range = |axis: usize| {
+            let along = parts.iter().flatten().flatten().map(move |v| v[axis]);
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        };
+        let mut domain = Self::window(&[range(0), range(1)]).map_err(|e| match e {
+            Error::Setting { value, reason, .. } => {
+                Error::setting(Setting::WindowPolygon, "polygon", format!("its bounding box {value}: {reason}"))
+            }
+            other => other,
+        })?;
+        let polygon = Polygon::new(parts, [domain.origin[0], domain.origin[1]], domain.length_unit());
+        // What is left of a sliver by the integers of points.
+        if !(polygon.inner_diameter() > 0.0 && polygon.area() > 0.0) {
+            let reason = "is too thin for its length: no circle fits into it";
+            return Err(Error::setting(Setting::WindowPolygon, "polygon", reason));
+        }
+        domain.polygon = Some(Arc::new(polygon));
+        Ok(domain)
+    }
+
+    /// The polygon that the window is, if it is no box.
+    pub fn as_polygon(&self) -> Option<&Polygon> {
+        self.polygon.as_deref()
     }
 
     fn checked(
@@ -98,7 +160,7 @@ impl Domain {
             let reason = "the longest side may be at most 1e6 times the shortest";
             return Err(Error::setting(setting, typed(), reason));
         }
-        Ok(Self { boundary, origin, sides, rests })
+        Ok(Self { boundary, origin, sides, rests, polygon: None })
     }
 
     /// What `boundary`, `origin`, `sides` and `rests` of another domain say.
@@ -143,14 +205,29 @@ impl Domain {
         &self.rests
     }
 
-    /// The shortest side.
+    /// The shortest side of the box.
     pub fn shortest_side(&self) -> f64 {
         min_of(&self.sides)
     }
 
     /// Length, area or volume `|D|`.
     pub fn measure(&self) -> f64 {
-        self.sides.iter().product()
+        self.polygon.as_ref().map_or_else(|| self.sides.iter().product(), |polygon| polygon.area())
+    }
+
+    /// The diameter of the largest ball inside: the shortest side, or that of a polygon.
+    pub fn inner_diameter(&self) -> f64 {
+        self.polygon.as_ref().map_or_else(|| self.shortest_side(), |polygon| polygon.inner_diameter())
+    }
+
+    /// The radius of the ball about a window: half the diagonal, or that of a polygon.
+    pub fn circumradius(&self) -> f64 {
+        self.polygon.as_ref().map_or_else(|| self.half_diagonal(), |polygon| polygon.circumradius())
+    }
+
+    /// The border of a window.
+    pub fn border(&self) -> Border<'_> {
+        Border { sides: self.side_steps(), polygon: self.as_polygon() }
     }
 
     /// Whether all sides are equal.
@@ -195,7 +272,7 @@ impl Domain {
         sides
     }
 
-    /// Half the diagonal: the longest distance on a torus, and the radius of the circle about a window.
+    /// Half the diagonal of the box: the longest distance on a torus.
     pub fn half_diagonal(&self) -> f64 {
         self.sides.iter().map(|s| s * s).sum::<f64>().sqrt() / 2.0
     }
@@ -223,6 +300,29 @@ impl Domain {
             2 => (2.0 / (3f64.sqrt() * intensity)).sqrt(),
             _ => (2f64.sqrt() / intensity).cbrt(),
         }
+    }
+}
+
+/// The border of a window, from which points have a distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Border<'a> {
+    sides: [u64; 3],
+    polygon: Option<&'a Polygon>,
+}
+
+impl Border<'_> {
+    /// The distance of a place in the window, per axis in fixed-point steps.
+    pub fn distance(&self, place: &[u64]) -> u64 {
+        match (self.polygon, place) {
+            (Some(polygon), &[x, y]) => polygon.to_sides([x, y]),
+            _ => place.iter().zip(self.sides).map(|(&x, side)| x.min(side.saturating_sub(x))).min().unwrap_or(0),
+        }
+    }
+
+    /// The same of point `i` of some axes.
+    pub fn distance_of(&self, axes: &[&[u64]], i: usize) -> u64 {
+        let place: [u64; 3] = std::array::from_fn(|a| axes.get(a).map_or(0, |axis| axis[i]));
+        self.distance(&place[..axes.len()])
     }
 }
 

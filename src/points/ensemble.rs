@@ -60,6 +60,7 @@ impl Ensemble {
     /// Whether a set could be converted.
     pub(crate) fn check(set: &RawPoints, domain: &Domain, wrap: bool) -> Result<()> {
         check_dim(set, domain)?;
+        check_polygon(set, domain)?;
         for (j, point) in set.coordinates.chunks_exact(set.dim).enumerate() {
             for (k, &x) in point.iter().enumerate() {
                 offset(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
@@ -87,6 +88,7 @@ impl Ensemble {
         for set in raw {
             let set: &RawPoints = set.borrow();
             check_dim(set, domain)?;
+            check_polygon(set, domain)?;
             for (j, point) in set.coordinates.chunks_exact(dim).enumerate() {
                 for (k, &x) in point.iter().enumerate() {
                     let offset = offset(x, k, domain, wrap).ok_or_else(|| outside(set, j, k, x, domain))?;
@@ -369,6 +371,30 @@ fn fraction([whole, rest]: [f64; 2], side: f64, domain: &Domain) -> u64 {
     let steps = steps([whole, rest], side);
     // A side is rounded: what is at its end may be a hair beyond 1.
     if domain.is_torus() { steps as u64 } else { steps.min(1 << 64) as u64 }
+}
+
+/// Whether all points are in the polygon that the window is, or on a side of it; of those that are no numbers others tell.
+fn check_polygon(set: &RawPoints, domain: &Domain) -> Result<()> {
+    let Some(polygon) = domain.as_polygon() else { return Ok(()) };
+    let points = set.coordinates.as_chunks::<2>().0;
+    let outside = |&j: &usize| {
+        let point = points[j];
+        let in_box = |k: usize| offset(point[k], k, domain, false).is_some();
+        point.iter().all(|x| x.is_finite()) && !(in_box(0) && in_box(1) && polygon.contains_point(point))
+    };
+    let outside: Vec<usize> = (0..points.len()).into_par_iter().filter(outside).collect();
+    let Some(&first) = outside.first() else { return Ok(()) };
+    let [x, y] = points[first].map(number);
+    let are = match outside.len() {
+        1 => "1 point is outside the polygon, at".into(),
+        n => format!("{n} points are outside the polygon, the first at"),
+    };
+    let reason = format!(
+        "of {} points, {are} ({x}, {y}); expected points inside or on its sides, or the outline in which they were observed \
+         (`window_polygon`)",
+        points.len()
+    );
+    Err(Error::input(set.place(first), reason))
 }
 
 /// How far points reach along each axis, if that is more than the side of a torus along one.

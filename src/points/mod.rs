@@ -4,11 +4,12 @@ mod domain;
 mod ensemble;
 mod fixed_point;
 pub mod geometry;
+pub mod polygon;
 pub mod read;
 mod shape;
 pub mod write;
 
-pub use domain::{Boundary, Domain};
+pub use domain::{Border, Boundary, Domain};
 pub use ensemble::Ensemble;
 pub(crate) use ensemble::counts_in_pairs;
 pub(crate) use fixed_point::{mantissa_exponent, round32};

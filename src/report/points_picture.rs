@@ -56,7 +56,11 @@ fn caption(analysis: &Analysis) -> String {
     if analysis.domain.dim() == 3 {
         caption.push_str(", projected along z onto the x-y plane");
     }
-    caption.push_str(if analysis.domain.is_torus() { "; torus" } else { "; window" });
+    caption.push_str(match analysis.domain.as_polygon() {
+        _ if analysis.domain.is_torus() => "; torus",
+        Some(_) => "; polygon",
+        None => "; window",
+    });
     caption
 }
 
@@ -98,7 +102,19 @@ fn svg(analysis: &Analysis) -> Svg {
             None => write!(dots, "M{x:.2} {:.2}v{:.2}", TOP + 0.15 * height, 0.7 * height),
         };
     }
+    let mut outline = String::new();
+    for ring in domain.as_polygon().into_iter().flat_map(|polygon| polygon.parts()).flatten() {
+        for (k, [vx, vy]) in ring.iter().enumerate() {
+            let x = left + (vx - domain.origin()[0]) / side_x * width;
+            let y = TOP + (1.0 - (vy - domain.origin()[1]) / side_y.unwrap_or(1.0)) * height;
+            let _ = write!(outline, "{}{x:.2} {y:.2}", if k == 0 { "M" } else { "L" });
+        }
+        outline.push('Z');
+    }
     let mut overlay = heading("Points", &analysis.subject, &caption(analysis));
+    if !outline.is_empty() {
+        let _ = writeln!(overlay, r##"<path d="{outline}" stroke="#444" stroke-width="1" fill="none"/>"##);
+    }
     let stroke = if side_y.is_some() { 2.0 * radius } else { (0.5 * width / shown.max(1) as f64).clamp(0.3, 1.5) };
     let cap = if side_y.is_some() { "round" } else { "butt" };
     let color = hex(BLUE);

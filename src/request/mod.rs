@@ -158,6 +158,13 @@ pub struct PointsRequest {
     )]
     pub window: Option<Vec<f64>>,
 
+    /// The window as a polygon: WKT, GeoJSON or vertices
+    ///
+    /// A file with the outline of the window the points were observed in: a WKT POLYGON or MULTIPOLYGON, a GeoJSON Polygon or
+    /// MultiPolygon, holes allowed, or x and y of one vertex per line (2D).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub window_polygon: Option<PathBuf>,
+
     /// Fold points outside the torus back in
     ///
     /// Fold points outside the torus back in; without it they are an error.

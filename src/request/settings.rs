@@ -111,7 +111,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 49] = [
+pub static SETTINGS: [Row; 50] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -132,7 +132,9 @@ pub static SETTINGS: [Row; 49] = [
     row!(Domain, "--domain", input.domain, Domain, otherwise: "torus; window with `window`"),
     row!(Sides, "--box", input.sides, Domain, usual: true, otherwise: "1 each"),
     row!(Window, "--window", input.window, Domain, usual: true, conflicts: &[Setting::Sides, Setting::Sampler]),
-    row!(Wrap, "--wrap", input.wrap, Domain, conflicts: &[Setting::Window]),
+    row!(WindowPolygon, "--window-polygon", input.window_polygon, Domain,
+        conflicts: &[Setting::Sides, Setting::Sampler, Setting::Window]),
+    row!(Wrap, "--wrap", input.wrap, Domain, conflicts: &[Setting::Window, Setting::WindowPolygon]),
     row!(Stats, "--stats", stats, Statistics, usual: true, default: Some("pcf,spectrum,neighbors")),
     row!(RMax, "--r-max", r_max, Distances, usual: true, conflicts: &[Setting::Edges], statistics: PAIRS, refused: OWN_BINS,
         otherwise: "8 closest-packing distances, at most half the shortest side"),

@@ -12,7 +12,7 @@ use super::precision::Extent;
 use super::weights::Weights;
 use super::{Kind, Points, domain};
 use crate::error::{Error, Result};
-use crate::points::read::{Input, MarkedPoints, Reading};
+use crate::points::read::{Input, MarkedPoints, Reading, read_polygon};
 use crate::points::{Domain, Ensemble, EnsembleShape};
 use crate::request::PointsRequest;
 
@@ -33,6 +33,8 @@ pub(super) struct FirstPass<'a> {
     known: HashMap<u128, u64>,
     extent: Extent,
     domain: Option<Domain>,
+    /// The window that a file has.
+    polygon: Option<Domain>,
     outside: u64,
 }
 
@@ -40,8 +42,10 @@ pub(super) struct FirstPass<'a> {
 const MOST_NOTES: usize = 20;
 
 impl<'a> FirstPass<'a> {
-    pub(super) fn new(request: &'a PointsRequest) -> Self {
-        Self {
+    pub(super) fn new(request: &'a PointsRequest) -> Result<Self> {
+        let polygon = request.window_polygon.as_ref().map(|path| read_polygon(path)).transpose()?;
+        let (polygon, notes) = polygon.map_or((None, Vec::new()), |(domain, notes)| (Some(domain), notes));
+        Ok(Self {
             request,
             dim: None,
             sizes: Vec::new(),
@@ -50,19 +54,20 @@ impl<'a> FirstPass<'a> {
             names: Vec::new(),
             numbers: HashMap::new(),
             input: Input::default(),
-            notes: Vec::new(),
+            notes,
             more_notes: 0,
             last: None,
             known: HashMap::new(),
             extent: Extent::default(),
             domain: None,
+            polygon,
             outside: 0,
-        }
+        })
     }
 
     pub(super) fn domain(&self) -> Result<Domain> {
         let nothing = || Error::input("points", "the files hold no realizations");
-        domain(self.request, self.dim.ok_or_else(nothing)?)
+        domain(self.request, self.polygon.as_ref(), self.dim.ok_or_else(nothing)?)
     }
 
     pub(super) fn see(&mut self, sets: &[MarkedPoints]) -> Result<()> {

@@ -99,10 +99,14 @@ impl Points {
             let (k, dim) = (request.realizations.unwrap_or(1), request.dim.unwrap_or(2));
             let seed = request.seed.unwrap_or(1);
             let process = Process::new(name, n, k, dim, seed, &request.params)?;
+            if let Some(path) = &request.window_polygon {
+                let reason = "samplers fill a torus; a window needs files";
+                return Err(Error::setting(Setting::WindowPolygon, path.display(), reason));
+            }
             if request.domain == Some(Boundary::Window) {
                 return Err(Error::setting(Setting::Domain, "window", "samplers fill a torus; a window needs files"));
             }
-            let domain = domain(request, dim)?;
+            let domain = domain(request, None, dim)?;
             return Ok(Self::sampled(process, domain));
         }
         refuse_settings_of_samplers(request)?;
@@ -124,7 +128,7 @@ impl Points {
     pub fn files_within(request: &PointsRequest, budget: u64) -> Result<Self> {
         let columns = columns(request)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
-        let mut pass = FirstPass::new(request);
+        let mut pass = FirstPass::new(request)?;
         folders_left_out(&request.files).iter().for_each(|note| pass.note(note));
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
         let (mut files, mut first) = (Vec::new(), 0);
@@ -168,7 +172,7 @@ impl Points {
         let columns = columns(request)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let sets = read_bytes(name, &extension(Path::new(name)), bytes, &options, &columns)?;
-        let mut pass = FirstPass::new(request);
+        let mut pass = FirstPass::new(request)?;
         pass.see(&sets)?;
         pass.input.files = 1;
         let nothing = |marks| Files { files: Vec::new(), options, columns, marks, last: Mutex::default() };
@@ -416,11 +420,28 @@ fn columns(request: &PointsRequest) -> Result<Columns> {
 /// The number of axes that `--box` or `--window` fix.
 fn dim_of_flags(request: &PointsRequest) -> Option<usize> {
     let window = request.window.as_ref().map(|w| w.len() / 2);
-    request.sides.as_ref().map(Vec::len).or(window)
+    let polygon = request.window_polygon.as_ref().map(|_| 2);
+    request.sides.as_ref().map(Vec::len).or(window).or(polygon)
 }
 
-/// The domain of the flags, for points with `dim` coordinates.
-fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
+/// The domain of the flags, for points with `dim` coordinates; `polygon` is the window that was read from a file.
+fn domain(request: &PointsRequest, polygon: Option<&Domain>, dim: usize) -> Result<Domain> {
+    if let Some((polygon, path)) = polygon.zip(request.window_polygon.as_ref()) {
+        if request.window.is_some() || request.sides.is_some() {
+            let reason = "is the window; expected neither `window` nor `sides` beside it";
+            return Err(Error::setting(Setting::WindowPolygon, path.display(), reason));
+        }
+        if request.domain == Some(Boundary::Torus) {
+            let reason = "contradicts `domain` torus; `sides` sets its sides";
+            return Err(Error::setting(Setting::WindowPolygon, path.display(), reason));
+        }
+        if dim != 2 {
+            let reason =
+                format!("is a window in the plane, and the points have {dim} coordinates; `columns` takes two");
+            return Err(Error::setting(Setting::WindowPolygon, path.display(), reason));
+        }
+        return Ok(polygon.clone());
+    }
     if let Some(window) = &request.window {
         if request.domain == Some(Boundary::Torus) {
             return Err(Error::setting(
@@ -439,7 +460,7 @@ fn domain(request: &PointsRequest, dim: usize) -> Result<Domain> {
         return Err(Error::setting(
             Setting::Domain,
             "window",
-            "needs `window` x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+            "needs `window` x0,x1,y0,y1[,z0,z1] or `window_polygon` FILE: a window is not guessed",
         ));
     }
     match &request.sides {

@@ -34,6 +34,26 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("edge-commas.txt", "0\n0,05;0,1\n");
     scratch.file("edge-commas2.txt", "# r\n0,05\n0,1\n");
     scratch.file("heavy.csv", "x,y,w\n0.1,0.2,1\n0.3,0.9,1e-30\n");
+    scratch.file("box.wkt", "POLYGON ((0 0, 1 0, 1 1, 0 1, 0 0.5, 0 0))\n");
+    scratch.file("half.wkt", "SRID=25832;POLYGON ((0 0, 0.4 0, 0.4 1, 0 1, 0 0.5))\n");
+    scratch.file("bow.wkt", "POLYGON ((0 0, 1 1, 1 0, 0 1, 0 0))\n");
+    scratch.file("two.wkt", "POLYGON ((0 0, 1 1, 1 1, 0 0))\n");
+    scratch.file("flat.wkt", "POLYGON ((0 0, 1 1, 2 2, 0 0))\n");
+    scratch.file("out.wkt", "POLYGON ((0 0, 1 0, 1 1, 0 1), (2 2, 3 2, 3 3, 2 3))\n");
+    scratch.file("in.wkt", "POLYGON ((0 0, 9 0, 9 9, 0 9), (1 1, 5 1, 5 5, 1 5), (2 2, 3 2, 3 3))\n");
+    scratch.file("cross.wkt", "POLYGON ((0 0, 1 0, 1 1, 0 1), (0.5 0.5, 2 0.5, 2 0.6, 0.5 0.6))\n");
+    scratch.file("over.wkt", "MULTIPOLYGON (((0 0, 1 0, 1 1, 0 1)), ((0.2 0.2, 0.4 0.2, 0.4 0.4)))\n");
+    scratch.file("touch.wkt", "MULTIPOLYGON (((0 0, 1 0, 1 1, 0 1)), ((1 0, 2 0, 2 1, 1 1)))\n");
+    scratch.file("spike.wkt", "POLYGON ((0 0, 1 0, 2 0, 1 0, 1 1, 0 1))\n");
+    scratch.file("point.wkt", "POINT (1 2)\n");
+    scratch.file("empty.wkt", "POLYGON EMPTY\n");
+    scratch.file("word.wkt", "POLYGON ((0 0, 1 0, 1 x))\n");
+    scratch.file("large.wkt", "POLYGON ((0 0, 1e200 0, 1 1))\n");
+    scratch.file("none.json", r#"{"type":"FeatureCollection","features":[]}"#);
+    scratch.file("short.json", r#"{"type":"Polygon","coordinates":[[[0,0],[1],[1,1]]]}"#);
+    scratch.file("line.json", r#"{"type":"LineString","coordinates":[[0,0],[1,1]]}"#);
+    scratch.file("broken.json", "{broken");
+    scratch.file("xyz.txt", "0 0 1\n1 0 1\n1 1 1\n");
     std::fs::create_dir_all(scratch.path("nest/in")).unwrap();
     scratch.file("word.txt", "0.1 0.2\n0.3 abc\n");
     scratch.file("three.txt", "0.1 0.2 0.3\n0.4 0.5 0.6\n");
@@ -54,6 +74,131 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     std::fs::create_dir(scratch.path("taken")).unwrap();
     scratch.file("taken/summary.json", "{}");
     let table: &[(&str, i32, &str)] = &[
+        ("analyze ok.csv --window-polygon missing.wkt", 1, "missing.wkt: No such file or directory (os error 2)"),
+        (
+            "analyze ok.csv --window-polygon half.wkt",
+            1,
+            "ok.csv:4: of 3 points, 1 point is outside the polygon, at (0.5, 0.5); expected points inside or on its sides, or the outline in which they were observed (--window-polygon)",
+        ),
+        (
+            "analyze outside.txt --window-polygon half.wkt",
+            1,
+            "outside.txt:2: of 2 points, 1 point is outside the polygon, at (1.5, 0.2); expected points inside or on its sides, or the outline in which they were observed (--window-polygon)",
+        ),
+        (
+            "analyze ok.csv --window-polygon bow.wkt",
+            1,
+            "bow.wkt, outer ring: sides 1 and 3 meet at (0.5, 0.5); expected a ring that meets itself nowhere (side k begins at vertex k)",
+        ),
+        (
+            "analyze ok.csv --window-polygon spike.wkt",
+            1,
+            "spike.wkt, outer ring: sides 1 and 3 meet at (1, 0); expected a ring that meets itself nowhere (side k begins at vertex k)",
+        ),
+        (
+            "analyze ok.csv --window-polygon two.wkt",
+            1,
+            "two.wkt, outer ring: 2 vertices; expected at least 3 that differ",
+        ),
+        (
+            "analyze ok.csv --window-polygon flat.wkt",
+            1,
+            "flat.wkt, outer ring: has no area: its vertices lie on a line",
+        ),
+        (
+            "analyze ok.csv --window-polygon out.wkt",
+            1,
+            "out.wkt, hole 1: is not inside the outer ring that it is a hole of",
+        ),
+        ("analyze ok.csv --window-polygon in.wkt", 1, "in.wkt, hole 2: is inside hole 1; holes must not overlap"),
+        (
+            "analyze ok.csv --window-polygon cross.wkt",
+            1,
+            "cross.wkt, outer ring: side 2 and side 1 of hole 1 meet at (1, 0.5); rings may touch in points but not cross",
+        ),
+        (
+            "analyze ok.csv --window-polygon over.wkt",
+            1,
+            "over.wkt, outer ring of part 2: overlaps part 1; parts must not overlap",
+        ),
+        (
+            "analyze ok.csv --window-polygon touch.wkt",
+            1,
+            "touch.wkt, outer ring of part 1: side 2 and side 4 of outer ring of part 2 run along each other at (1, 1); rings may touch in points but not cross",
+        ),
+        (
+            "analyze ok.csv --window-polygon point.wkt",
+            1,
+            "point.wkt: is a POINT; expected a WKT POLYGON or MULTIPOLYGON, a GeoJSON Polygon or MultiPolygon, or x and y of one vertex per line",
+        ),
+        ("analyze ok.csv --window-polygon empty.wkt", 1, "empty.wkt: has no ring; expected one of at least 3 vertices"),
+        (
+            "analyze ok.csv --window-polygon word.wkt",
+            1,
+            "word.wkt: is no WKT: Expected a number for the Y coordinate; expected a WKT POLYGON or MULTIPOLYGON, a GeoJSON Polygon or MultiPolygon, or x and y of one vertex per line",
+        ),
+        (
+            "analyze ok.csv --window-polygon large.wkt",
+            1,
+            "large.wkt: its bounding box 0,1e200,0,1: every side must be finite and between 1e-100 and 1e100; expected x0,x1,y0,y1[,z0,z1] with x0 < x1",
+        ),
+        (
+            "analyze ok.csv --window-polygon none.json",
+            1,
+            "none.json: is a FeatureCollection of 0 features; expected one, a Polygon or a MultiPolygon",
+        ),
+        ("analyze ok.csv --window-polygon short.json", 1, "short.json: has a position of 1 numbers; expected x and y"),
+        (
+            "analyze ok.csv --window-polygon line.json",
+            1,
+            "line.json: is a LineString; expected a WKT POLYGON or MULTIPOLYGON, a GeoJSON Polygon or MultiPolygon, or x and y of one vertex per line",
+        ),
+        (
+            "analyze ok.csv --window-polygon broken.json",
+            1,
+            "broken.json: is no GeoJSON: Error while deserializing GeoJSON: key must be a string at line 1 column 2; expected a WKT POLYGON or MULTIPOLYGON, a GeoJSON Polygon or MultiPolygon, or x and y of one vertex per line",
+        ),
+        ("analyze ok.csv --window-polygon xyz.txt", 1, "xyz.txt:1: 3 numbers per vertex; expected x and y"),
+        (
+            "analyze ok.csv --window-polygon word.txt",
+            1,
+            "word.txt:2: \"abc\" is not a number; expected 2 numbers per line as in line 1 (the file of a window: expected a WKT POLYGON or MULTIPOLYGON, a GeoJSON Polygon or MultiPolygon, or x and y of one vertex per line)",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --domain torus",
+            2,
+            "--window-polygon box.wkt: contradicts --domain torus; --box sets its sides",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --stats spectrum",
+            2,
+            "--stats spectrum, radial: is not available for points in a polygon (--window-polygon); expected pcf, k-function or neighbors",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --stats pcf-vector",
+            2,
+            "--stats pcf-vector: is not available for points in a polygon (--window-polygon); expected pcf, k-function or neighbors",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --stats covariance",
+            2,
+            "--stats covariance: is not available for points in a polygon (--window-polygon); expected pcf, k-function or neighbors",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --r-max 1",
+            2,
+            "--r-max 1: expected less than the diameter of the largest circle in the polygon (1): beyond, some directions may never be seen; --correction isotropic reaches to 0.7071067811865476",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --r-max 0.5 --correction border",
+            2,
+            "--r-max 0.5: expected less than the radius of the largest circle in the polygon (0.5): no point is further from the border",
+        ),
+        (
+            "analyze ok.csv --window-polygon box.wkt --r-max 0.71 --correction isotropic",
+            2,
+            "--r-max 0.71: expected less than the radius of the smallest circle about a part of the polygon (0.7071067811865476): beyond, some points see nothing of the circle",
+        ),
         ("analyze missing.csv", 1, "missing.csv: No such file or directory (os error 2)"),
         (
             "analyze outside.txt",
@@ -232,7 +377,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --domain window",
             2,
-            "--domain window: needs --window x0,x1,y0,y1[,z0,z1]: a window is not guessed",
+            "--domain window: needs --window x0,x1,y0,y1[,z0,z1] or --window-polygon FILE: a window is not guessed",
         ),
         (
             "analyze ok.csv --r-max 0.6",

@@ -8,4 +8,5 @@ mod by_hand;
 mod comparison_can_fail;
 mod coordinates;
 mod laws;
+mod polygon;
 mod samplers;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::Cpu;
 use super::pair_weights::{PairWeights, PointData};
+use super::polygon_weights::PolygonWeights;
 use crate::accumulate::{KernelCurve, KernelSums, PairHistogram};
 use crate::compute::Compute;
 use crate::control::Control;
@@ -94,7 +95,7 @@ impl Set {
 }
 
 /// What a pair adds, and where.
-struct Spread {
+struct Spread<'a> {
     shape: SmoothingKernel,
     reach: f64,
     /// Of `exp(rate x^2)`, for a Gaussian.
@@ -105,10 +106,12 @@ struct Spread {
     even: Option<(f64, f64)>,
     /// Length of a fixed-point step.
     step: f64,
+    /// Weights in a polygon.
+    polygon: Option<PolygonWeights<'a>>,
 }
 
-impl Spread {
-    fn new(plan: &KernelPlan) -> Self {
+impl<'a> Spread<'a> {
+    fn new(plan: &'a KernelPlan) -> Self {
         let (kernel, r) = (plan.kernel, plan.r.as_slice());
         let even = match r {
             [first, .., last] => {
@@ -126,14 +129,15 @@ impl Spread {
             peak: 2.0 * kernel.peak(),
             even,
             step: 2f64.powi(-64) * plan.pairs.domain.length_unit(),
+            polygon: PolygonWeights::new(&plan.pairs),
         }
     }
 
     /// The pairs of one block of rows with the points that follow.
     fn block(&self, plan: &KernelPlan, set: &Set, block: usize) -> KernelCurve {
         let axes: Vec<&[u64]> = set.axes.iter().map(Vec::as_slice).collect();
-        let data = PointData::new(&plan.pairs, &axes, set.masses.as_deref());
-        let weights = plan.pairs.weighted().then(|| PairWeights::new(&plan.pairs, &axes, &data));
+        let data = PointData::of_masses(&plan.pairs, &axes, set.masses.as_deref());
+        let weights = plan.pairs.weighted().then(|| PairWeights::new(&plan.pairs, &axes, &data, self.polygon.as_ref()));
         // The mean over both orders.
         let weight = |i, j| weights.as_ref().map_or(1.0, |w| w.both(i, j) as f64 * (0.5 / plan.pairs.weight_steps()));
         let mut curve = KernelCurve::new(PairHistogram::unit_norms(set.n as u64, data.mass_sums()), plan.r.len());

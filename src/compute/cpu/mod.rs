@@ -15,6 +15,7 @@ mod pair_counts;
 mod pair_rows;
 mod pair_weights;
 mod phase_tables;
+mod polygon_weights;
 mod product;
 mod r2_rows;
 mod simd;

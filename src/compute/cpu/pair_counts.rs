@@ -20,6 +20,7 @@ use super::linear_bins::LinearBins;
 use super::log_bins::LogBins;
 use super::pair_rows::{COLUMNS, LANES, Rows, Undecided};
 use super::pair_weights::{PairWeights, PointData, WeightSums};
+use super::polygon_weights::PolygonWeights;
 use super::r2_rows::by_r2;
 use super::simd::SimdLevel;
 use super::table_bins::TableBins;
@@ -46,6 +47,8 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
     let threads = cpu.threads();
     let filter = Filter::new(plan);
     let near = Neighbourhood::new(plan);
+    let polygon = PolygonWeights::new(plan);
+    let polygon = polygon.as_ref();
     let new_sums = || PairCounts::new(cpu.computed_by(), plan);
     let largest = (0..realizations).map(|k| ensemble.points_in(k)).max().unwrap_or(0);
     let next = AtomicUsize::new(0);
@@ -62,7 +65,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                     return Ok(sums);
                 }
                 let sorted = Sorted::new(plan, &near, ensemble, k);
-                let set = Set::new(plan, &sorted);
+                let set = Set::new(plan, &sorted, polygon);
                 for block in 0..set.blocks() {
                     control.check()?;
                     tally.count(cpu.level, plan, &filter, &near, &set, block);
@@ -82,7 +85,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
     for k in 0..realizations {
         control.check()?;
         let sorted = Sorted::new(plan, &near, ensemble, k);
-        let set = Set::new(plan, &sorted);
+        let set = Set::new(plan, &sorted, polygon);
         next.store(0, Ordering::Relaxed);
         let parts = cpu.pool.broadcast(|_| {
             let mut tally = Tally::new(plan, &filter);
@@ -141,13 +144,14 @@ struct Set<'a> {
     exact: Vec<&'a [u64]>,
     /// What weights need beside positions.
     data: PointData<'a>,
+    polygon: Option<&'a PolygonWeights<'a>>,
     periods: [u64; 3],
     rounded: Vec<Vec<u32>>,
     rounded_periods: [u32; 3],
 }
 
 impl<'a> Set<'a> {
-    fn new(plan: &PairPlan, sorted: &'a Sorted<'_>) -> Self {
+    fn new(plan: &PairPlan, sorted: &'a Sorted<'_>, polygon: Option<&'a PolygonWeights<'a>>) -> Self {
         let exact: Vec<&[u64]> = sorted.exact.iter().map(|axis| &**axis).collect();
         let periods = plan.domain.periods();
         // Periods are below 2^64 - 2^31, or 0 for 2^64 itself, except for sides that differ by less than 2^-33: those
@@ -159,7 +163,7 @@ impl<'a> Set<'a> {
             .map(|(axis, period)| axis.iter().map(|&v| round32(v, period)).collect())
             .collect();
         let data = PointData::new(plan, &exact, sorted.masses.as_deref());
-        Self { n: exact[0].len(), points: &sorted.points, exact, data, periods, rounded, rounded_periods }
+        Self { n: exact[0].len(), points: &sorted.points, exact, data, polygon, periods, rounded, rounded_periods }
     }
 
     fn blocks(&self) -> usize {
@@ -334,7 +338,7 @@ impl Tally {
         let bins = self.bins;
         let Self { short, stride, stream, weights, counts, undecided, .. } = self;
         if let Some(weights) = weights {
-            let of_points = PairWeights::new(plan, &set.exact, &set.data);
+            let of_points = PairWeights::new(plan, &set.exact, &set.data, set.polygon);
             let sink = |i: usize, first: usize, slots: &[u32]| {
                 for (&j, &slot) in columns.points[first..].iter().zip(slots) {
                     let bin = slot as usize;

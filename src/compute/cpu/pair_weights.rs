@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use super::polygon_weights::PolygonWeights;
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::plan::{Correction, PairPlan};
 use crate::points::geometry;
@@ -12,6 +13,8 @@ use crate::points::geometry;
 pub(super) struct PointData<'a> {
     /// With border correction, the number of bins whose upper edge is at most the distance of the point from the border.
     depths: Vec<u32>,
+    /// With isotropic correction in a polygon, the distances of the points from the border: what no side cuts need not be looked at.
+    to_border: Vec<u64>,
     /// Weights of the points, where the plan takes them into account.
     masses: Option<Cow<'a, [f64]>>,
 }
@@ -19,12 +22,19 @@ pub(super) struct PointData<'a> {
 impl<'a> PointData<'a> {
     /// Of points at `axes` with weights `masses`.
     pub(super) fn new(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [f64]>) -> Self {
-        let sides = plan.domain.side_steps();
-        let depth = |j| geometry::depth(&plan.thresholds, geometry::border_distance(axes, sides, j)) as u32;
-        let depths = if plan.border() { (0..axes[0].len()).map(depth).collect() } else { Vec::new() };
+        let border = plan.domain.border();
+        let to_border = |j: usize| border.distance_of(axes, j);
+        let all = |wanted: bool| if wanted { 0..axes[0].len() } else { 0..0 };
+        let depths = all(plan.border()).map(|j| geometry::depth(&plan.thresholds, to_border(j)) as u32).collect();
+        let cut = plan.correction == Correction::Isotropic && plan.domain.as_polygon().is_some();
+        Self { depths, to_border: all(cut).map(to_border).collect(), ..Self::of_masses(plan, axes, masses) }
+    }
+
+    /// The same without distances from the border, which weights of pairs do without.
+    pub(super) fn of_masses(plan: &PairPlan, axes: &[&[u64]], masses: Option<&'a [f64]>) -> Self {
         let unit = || Cow::Owned(vec![1.0; axes[0].len()]);
         let masses = plan.masses.then(|| masses.map_or_else(unit, Cow::Borrowed));
-        Self { depths, masses }
+        Self { depths: Vec::new(), to_border: Vec::new(), masses }
     }
 
     /// What the weights are compared with.
@@ -38,18 +48,24 @@ pub(super) struct PairWeights<'a> {
     axes: &'a [&'a [u64]],
     data: &'a PointData<'a>,
     correction: Correction,
+    polygon: Option<&'a PolygonWeights<'a>>,
     /// In length units, and in steps.
     sides: [f64; 3],
     side_steps: [u64; 3],
 }
 
 impl<'a> PairWeights<'a> {
-    pub(super) fn new(plan: &PairPlan, axes: &'a [&'a [u64]], data: &'a PointData<'a>) -> Self {
+    pub(super) fn new(
+        plan: &PairPlan,
+        axes: &'a [&'a [u64]],
+        data: &'a PointData<'a>,
+        polygon: Option<&'a PolygonWeights<'a>>,
+    ) -> Self {
         let mut sides = [0.0; 3];
         for (a, side) in sides.iter_mut().zip(plan.domain.sides()) {
             *a = side / plan.domain.length_unit();
         }
-        Self { axes, data, correction: plan.correction, sides, side_steps: plan.domain.side_steps() }
+        Self { axes, data, correction: plan.correction, polygon, sides, side_steps: plan.domain.side_steps() }
     }
 
     /// The weights of (i, j) and of (j, i), added: in steps of 2^-32, with weights of points 2^-64.
@@ -72,6 +88,11 @@ impl<'a> PairWeights<'a> {
     /// `reference::translation_weight`, operation for operation, with the quotients of sides taken once.
     #[inline(always)]
     fn translation(&self, i: usize, j: usize) -> u64 {
+        if let Some(polygon) = self.polygon {
+            // Of (i, j) or of (j, i), whichever comes first in the file: the lag that looks to the right.
+            let lag = [0, 1].map(|a| self.axes[a][j].wrapping_sub(self.axes[a][i]) as i64);
+            return polygon.translation(if lag < [0, 0] { lag.map(|x| -x) } else { lag });
+        }
         let mut weight = 1.0;
         for (axis, a) in self.axes.iter().zip(self.sides) {
             // Dividing by a power of two and multiplying with its inverse are the same, exact operation.
@@ -86,6 +107,12 @@ impl<'a> PairWeights<'a> {
     fn isotropic(&self, i: usize, j: usize) -> [u64; 2] {
         let square = |d: u64| u128::from(d) * u128::from(d);
         let r2: u128 = self.axes.iter().map(|axis| square(axis[i].abs_diff(axis[j]))).sum();
+        if let Some(polygon) = self.polygon {
+            return [i, j].map(|at| {
+                let clear = self.data.to_border.get(at).is_some_and(|&d| square(d) >= r2);
+                if clear { 1 << 32 } else { polygon.isotropic([0, 1].map(|a| self.axes[a][at]), r2) }
+            });
+        }
         [i, j].map(|at| {
             let nearest = geometry::border_distance(self.axes, self.side_steps, at);
             if square(nearest) >= r2 { 1 << 32 } else { self.cut_circle(at, r2) }

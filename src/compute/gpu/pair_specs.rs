@@ -148,6 +148,10 @@ pub(super) fn pair_limit(plan: &PairPlan) -> u64 {
 
 /// Why a plan cannot run on a device with these limits.
 pub(super) fn supports(plan: &PairPlan, limits: &wgpu::Limits) -> Result<(), String> {
+    if plan.domain.as_polygon().is_some() && matches!(plan.correction, Correction::Translation | Correction::Isotropic)
+    {
+        return Err(format!("{} weights in a polygon are not computed on a GPU", plan.correction));
+    }
     if plan.masses {
         return Err("weights of points are not computed on the GPU".into());
     }

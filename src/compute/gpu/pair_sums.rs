@@ -70,7 +70,7 @@ impl Sums {
 
 /// Per point of a realization, the number of bins whose upper edge is at most its distance from the border.
 pub(super) fn depths(plan: &PairPlan, axes: &[&[u64]]) -> Vec<u32> {
-    let sides = plan.domain.side_steps();
-    let depth = |i| geometry::depth(&plan.thresholds, geometry::border_distance(axes, sides, i)) as u32;
+    let border = plan.domain.border();
+    let depth = |i| geometry::depth(&plan.thresholds, border.distance_of(axes, i)) as u32;
     (0..axes[0].len()).map(depth).collect()
 }

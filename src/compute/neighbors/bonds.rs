@@ -46,6 +46,9 @@ impl HasPosition for Site {
 /// Of one realization, or why there is none.
 pub(super) fn bonds(axes: &[&[u64]], domain: &Domain, control: &Control) -> Result<Result<Bonds, NoBonds>> {
     let &[x, y] = axes else { return Ok(Err(NoBonds::NotPlanar)) };
+    if domain.as_polygon().is_some() {
+        return Ok(Err(NoBonds::InPolygon));
+    }
     if x.len() < 3 {
         return Ok(Err(NoBonds::FewPoints));
     }

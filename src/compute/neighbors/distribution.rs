@@ -20,7 +20,7 @@ const TIE: u128 = 1 << 12;
 pub(super) fn distribution(
     plan: &NeighborPlan,
     squares: &[u128],
-    place: impl Fn(usize) -> [u64; 3],
+    place: impl Fn(usize) -> [u64; 3] + Sync,
 ) -> DistributionCounts {
     let n = squares.len();
     let points = n as u64;
@@ -41,12 +41,13 @@ pub(super) fn distribution(
             at_risk: below.iter().map(|b| points - b).collect(),
         };
     }
+    let border = plan.domain.border();
     let observe = |(i, &square): (usize, &u128)| {
-        let border = plan.probes.to_border(&place(i)[..plan.domain.dim()]);
+        let border = u128::from(border.distance(&place(i)[..plan.domain.dim()]));
         let seen = square <= (border + TIE).pow(2);
         (if seen { square } else { border * border }, seen)
     };
-    let mut observed: Vec<(u128, bool)> = squares.iter().enumerate().map(observe).collect();
+    let mut observed: Vec<(u128, bool)> = squares.par_iter().enumerate().map(observe).collect();
     observed.par_sort_unstable();
     let (mut counts, mut at_risk) = (Vec::new(), Vec::new());
     let mut survival = 1.0;

@@ -7,6 +7,7 @@ mod lag_counts;
 mod neighbors;
 mod pair_counts;
 mod phases;
+mod polygon;
 mod tapered_power;
 mod wave_covariance;
 mod wave_power;

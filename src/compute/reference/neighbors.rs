@@ -95,10 +95,11 @@ fn distribution(
     squares: &[Option<u128>],
     place: impl Fn(usize) -> [u64; 3],
 ) -> DistributionCounts {
+    let border = plan.domain.border();
     let observed: Vec<(u128, bool)> = (0..squares.len())
         .map(|i| {
             let square = squares[i].unwrap_or(u128::MAX);
-            let border = plan.probes.to_border(&place(i)[..plan.domain.dim()]).pow(2);
+            let border = u128::from(border.distance(&place(i)[..plan.domain.dim()])).pow(2);
             if plan.domain.is_torus() || square <= border { (square, true) } else { (border, false) }
         })
         .collect();
@@ -130,6 +131,9 @@ const CORNER: f64 = 1e-5;
 /// Of one realization, or why there is none.
 fn bonds(axes: &[&[u64]], domain: &Domain, control: &Control) -> Result<std::result::Result<Bonds, NoBonds>> {
     let &[x, y] = axes else { return Ok(Err(NoBonds::NotPlanar)) };
+    if domain.as_polygon().is_some() {
+        return Ok(Err(NoBonds::InPolygon));
+    }
     if x.len() < 3 {
         return Ok(Err(NoBonds::FewPoints));
     }

@@ -19,6 +19,9 @@
 //! - border: `w = 1` if `x_i` is at least as far from the border of `D` as the upper edge of the bin, else 0 (minus
 //!   sampling; Ripley, Statistical Inference for Spatial Processes, 1988, section 3.2).
 //!
+//! In a window that is a polygon the formulas are the same; see `polygon`. A circle of which less than 2^-30 is in it counts as
+//! if that were.
+//!
 //! Points with weights `u` count `u_i u_j w`.
 //!
 //! Coordinates are integers in steps of `length_unit / 2^64`. Squared distances are compared with integer thresholds in
@@ -27,11 +30,12 @@
 
 use std::f64::consts::TAU;
 
+use super::polygon;
 use crate::accumulate::{BorderHistogram, PairHistogram, WEIGHT_STEPS};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Correction, PairPlan};
-use crate::points::geometry::{border_distance, depth, squared_distance, weighted_pair};
+use crate::points::geometry::{depth, squared_distance, weighted_pair};
 use crate::points::{Domain, geometry};
 
 /// The translation weight `prod_k a_k / (a_k - |h_k|)` of a pair in steps of 2^-32, rounded to nearest; `a_k` and `h_k`
@@ -91,6 +95,13 @@ pub fn isotropic_weight(axes: &[&[u64]], sides: [u64; 3], i: usize, j: usize) ->
 pub(super) fn pair_weight(plan: &PairPlan, axes: &[&[u64]], masses: Option<&[f64]>, i: usize, j: usize) -> u128 {
     let edge = match plan.correction {
         Correction::None | Correction::Border => 1 << 32,
+        // In the plane.
+        Correction::Translation if let Some(polygon) = plan.domain.as_polygon() => {
+            polygon::translation_weight(polygon, [0, 1].map(|a| i128::from(axes[a][j]) - i128::from(axes[a][i])))
+        }
+        Correction::Isotropic if let Some(polygon) = plan.domain.as_polygon() => {
+            polygon::isotropic_weight(polygon, [0, 1].map(|a| axes[a][i]), [0, 1].map(|a| axes[a][j]))
+        }
         Correction::Translation => translation_weight(axes, &plan.domain, i, j),
         Correction::Isotropic => isotropic_weight(axes, plan.domain.side_steps(), i, j),
     };
@@ -112,7 +123,7 @@ pub(super) fn pair_counts(
 ) -> Result<PairHistogram> {
     let n = axes[0].len();
     let bins = plan.bins.len();
-    let (periods, sides) = (plan.domain.periods(), plan.domain.side_steps());
+    let (periods, border_of) = (plan.domain.periods(), plan.domain.border());
     let mut counts = vec![0; bins];
     let mut weights = plan.weighted().then(|| vec![0; bins]);
     let mut border = plan.border().then(|| BorderHistogram {
@@ -122,7 +133,7 @@ pub(super) fn pair_counts(
     });
     for i in 0..n {
         control.check()?;
-        let depth = if plan.border() { depth(&plan.thresholds, border_distance(axes, sides, i)) } else { 0 };
+        let depth = if plan.border() { depth(&plan.thresholds, border_of.distance_of(axes, i)) } else { 0 };
         if let Some(border) = &mut border {
             (0..depth).for_each(|b| border.points[b] += 1);
         }

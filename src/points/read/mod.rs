@@ -12,6 +12,7 @@ mod columns;
 mod foreign;
 mod npy;
 mod npz;
+mod polygon;
 mod raw;
 mod reading;
 mod text;
@@ -29,6 +30,7 @@ use crate::setting::Setting;
 
 use columns::Marks;
 pub use columns::{Column, Columns, MarkedPoints, Rows, Separator, TypedColumns};
+pub use polygon::read_polygon;
 pub use raw::{RawElement, RawLayout};
 pub use reading::{Apart, Input, Reading};
 pub(crate) use text::{has_decimal_comma, is_decimal_comma};

@@ -105,7 +105,10 @@ fn domain(a: &Analysis) -> String {
         .zip(domain.sides())
         .map(|(&o, &s)| format!("[{}, {}]", human(o), human(o + s)))
         .collect();
-    format!("window {}", ranges.join(" × "))
+    match domain.as_polygon() {
+        Some(polygon) => format!("polygon of {} in {}", polygon.words(), ranges.join(" × ")),
+        None => format!("window {}", ranges.join(" × ")),
+    }
 }
 
 /// The unit of an intensity.

@@ -96,7 +96,7 @@ pub(super) fn bins(ask: &Ask<'_>) -> Result<RadialBins> {
     let mut default = PairPlan::default_r_max(domain, shape.mean_points);
     if request.correction == Some(Correction::Border) {
         // Enough points must be that far from the border.
-        default = default.min(domain.shortest_side() / 4.0);
+        default = default.min(domain.inner_diameter() / 4.0);
     }
     let r_max = request.r_max.unwrap_or(default);
     // Written so that NaN fails.

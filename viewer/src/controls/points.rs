@@ -10,10 +10,11 @@ use crate::set::{Set, fitting, of_sampler};
 use crate::style;
 
 /// Settings of files.
-pub(super) const OF_FILES: [(Setting, &str); 9] = [
+pub(super) const OF_FILES: [(Setting, &str); 10] = [
     (Setting::Domain, "domain"),
     (Setting::Sides, "box"),
     (Setting::Window, "window"),
+    (Setting::WindowPolygon, "polygon"),
     (Setting::Wrap, "fold points outside back in"),
     (Setting::Raw, "raw numbers"),
     (Setting::Array, "arrays"),
