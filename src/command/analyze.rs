@@ -69,7 +69,7 @@ impl Analyze {
         let bar = Bar::new(self.quiet, &control);
         let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
         bar.finish();
-        analysis.parameters.push(("command".into(), command_line()));
+        analysis.parameters.push(("command".into(), command_line().into()));
         let files = uninterrupted(|| report::write(out, &analysis, self.force))?;
         if !self.quiet {
             analysis.warnings.iter().for_each(|warning| warn(warning));

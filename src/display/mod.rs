@@ -6,6 +6,7 @@ pub(crate) mod figure;
 mod lag_slices;
 pub mod overlays;
 mod panel;
+pub mod paper;
 mod pixels;
 mod ranges;
 mod readout;

@@ -87,6 +87,20 @@ impl Panel {
         }
     }
 
+    /// Whether there could be something to draw of such points and settings, once it is measured.
+    pub fn applies(self, analysis: &Analysis) -> bool {
+        let plane = analysis.domain.dim() >= 2;
+        // A list of wave vectors has neither rings nor a grid, the frequencies of rings alone have no grid.
+        let gridless = analysis.spectrum().is_some_and(|spectrum| spectrum.waves.grid().is_none());
+        self.has(analysis)
+            || match self {
+                Self::Points | Self::Pcf => true,
+                Self::Radial => !gridless,
+                Self::Anisotropy | Self::Spectrum => plane && !gridless,
+                Self::Vector => plane,
+            }
+    }
+
     /// Whether there is something to draw.
     pub fn has(self, analysis: &Analysis) -> bool {
         let rings = || analysis.radial().is_some_and(|radial| !radial.rings.is_empty());

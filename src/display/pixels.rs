@@ -51,17 +51,22 @@ fn blocks(cells: [usize; 2], most: usize) -> (usize, [usize; 2]) {
 /// P on the grid, a pixel per mode with `nu = m / L` at its centre, DC grey; in 3D the plane m_z = 0. At most `|m| <= 1023` per
 /// axis. Where there is room for `most` pixels per axis only, a pixel covers several modes: their mean, or the largest if that
 /// is an isolated peak, so that peaks are seen at any size. `white` is the number of points at the upper end of the
-/// `ToneMap::Reinhard`, by default its own. `None` in 1D, for a list of wave vectors, and where the grid was not asked for.
+/// `ToneMap::Reinhard`, by default its own; frequencies beyond `reach`, in cycles per unit length, are left out. `None` in 1D, for a list of wave vectors, and where the grid was not asked for.
 pub fn spectrum_pixels(
     analysis: &Analysis,
     tone_map: ToneMap,
     white: Option<f64>,
     colors: ColorMap,
+    reach: Option<f64>,
     most: usize,
 ) -> Option<Pixels> {
     let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
     let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
-    let half = middle(grid);
+    let mut half = middle(grid);
+    for (half, side) in half.iter_mut().zip(analysis.domain.sides()) {
+        // A cast of what is too large saturates.
+        *half = reach.map_or(*half, |reach| (*half).min((reach * side).floor() as i32).max(1));
+    }
     let n = analysis.shape.mean_points;
     let cells = half.map(|h| 2 * h as usize + 1);
     let (block, [width, height]) = blocks(cells, most);

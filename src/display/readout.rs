@@ -184,10 +184,10 @@ impl RingAt {
         with_error(self.p, Some(self.se))
     }
 
-    /// Anisotropy, and what that of an isotropic spectrum scatters by, alone.
-    pub fn anisotropy_brief(&self) -> String {
+    /// Anisotropy as along `axis`, and what that of an isotropic spectrum scatters by, alone.
+    pub fn anisotropy_brief(&self, axis: Axis) -> String {
         match self.anisotropy_db {
-            Some(db) => format!("{} dB", with_error(db, self.anisotropy_db_se)),
+            Some(db) => format!("{} dB", with_error(axis.in_unit(db), self.anisotropy_db_se)),
             None => "undefined".into(),
         }
     }

@@ -43,12 +43,30 @@ impl Frame {
         Self { x: both(self.x, other.x), y: both(self.y, other.y) }
     }
 
+    /// This one `factor` times as large, per axis, with a place in it where it is.
+    #[must_use]
+    pub fn zoomed(self, about: [f64; 2], factor: [f64; 2]) -> Self {
+        let ends = |ends: [f64; 2], k: usize| ends.map(|end| about[k] + (end - about[k]) / factor[k]);
+        Self { x: ends(self.x, 0), y: ends(self.y, 1) }
+    }
+
     /// This one where it still suits what is `wanted`, so that curves stand still while their errors shrink: x is the same, and
     /// upward nothing wanted is cut off that does not fill three fifths of it.
     pub fn kept(self, wanted: Self) -> Self {
         let height = |frame: Self| frame.y[1] - frame.y[0];
         let inside = self.y[0] <= wanted.y[0] && wanted.y[1] <= self.y[1];
         if self.x == wanted.x && inside && height(wanted) >= 0.6 * height(self) { self } else { wanted }
+    }
+}
+
+impl Trace {
+    /// The range upward of what is drawn between two places to the right, with some room; `None` where nothing is.
+    pub fn fit(&self, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+        let all = self.line.iter().chain(&self.closed_form).flatten();
+        let seen: Vec<f64> = all.filter(|place| (low..=high).contains(&place[0])).map(|place| place[1]).collect();
+        let (lowest, highest) = extent(&seen)?;
+        let room = 0.06 * (highest - lowest).max(1e-9 * highest.abs()).max(f64::MIN_POSITIVE);
+        Some([lowest - room, highest + room])
     }
 }
 
@@ -158,6 +176,17 @@ mod tests {
         let wider = Frame { x: [0.0, 2.0], ..frame(1.9) };
         assert_eq!(frame(2.0).kept(wider), wider);
         assert_eq!(frame(2.0).union(Frame { x: [-1.0, 0.5], y: [0.1, 3.0] }), Frame { x: [-1.0, 1.0], y: [0.0, 3.0] });
+    }
+
+    #[test]
+    fn frames_zoom_about_a_place_and_fit_what_is_seen() {
+        let frame = Frame { x: [0.0, 4.0], y: [0.0, 1.0] };
+        assert_eq!(frame.zoomed([1.0, 0.5], [2.0, 1.0]), Frame { x: [0.5, 2.5], y: [0.0, 1.0] });
+        let line = vec![vec![[0.0, 9.0], [1.0, 1.0], [2.0, 3.0], [3.0, -9.0]]];
+        let trace = Trace { line, band: Vec::new(), closed_form: Vec::new(), reference: None, landmark: None, frame };
+        let [low, high] = trace.fit([0.5, 2.5]).unwrap();
+        assert!((low - 0.88).abs() < 1e-12 && (high - 3.12).abs() < 1e-12, "{low} {high}");
+        assert_eq!(trace.fit([0.2, 0.8]), None);
     }
 
     #[test]

@@ -130,6 +130,8 @@ pub struct Axis {
     component: Option<&'static str>,
     /// One unit of the axis, in units of the analysis.
     unit: f64,
+    /// What is 0 on the axis, in units of the analysis.
+    zero: f64,
     scale: AxisScale,
 }
 
@@ -138,7 +140,7 @@ impl Axis {
     pub fn distance(analysis: &Analysis, unit: LengthUnit, scale: AxisScale) -> Self {
         let domain = &analysis.domain;
         let quantity = Quantity::Distance { unit, dim: domain.dim() };
-        Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), scale }
+        Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), zero: 0.0, scale }
     }
 
     /// Frequencies nu of an analysis; those of another program's rings stay in its own unit.
@@ -146,10 +148,10 @@ impl Axis {
         let domain = &analysis.domain;
         if analysis.conventions.foreign {
             let own = analysis.conventions.unit();
-            return Self { quantity: Quantity::ForeignFrequency(own), component: None, unit: 1.0, scale };
+            return Self { quantity: Quantity::ForeignFrequency(own), component: None, unit: 1.0, zero: 0.0, scale };
         }
         let quantity = Quantity::Frequency { unit, dim: domain.dim(), of_unit_measure: domain.measure() == 1.0 };
-        Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), scale }
+        Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), zero: 0.0, scale }
     }
 
     /// Coordinates of points along an axis of the domain.
@@ -172,17 +174,29 @@ impl Axis {
 
     /// Values of g.
     pub fn g(scale: AxisScale) -> Self {
-        Self { quantity: Quantity::Dimensionless("g"), component: None, unit: 1.0, scale }
+        Self { quantity: Quantity::Dimensionless("g"), component: None, unit: 1.0, zero: 0.0, scale }
     }
 
     /// Values of P.
     pub fn p(scale: AxisScale) -> Self {
-        Self { quantity: Quantity::Dimensionless("P"), component: None, unit: 1.0, scale }
+        Self { quantity: Quantity::Dimensionless("P"), component: None, unit: 1.0, zero: 0.0, scale }
     }
 
     /// Anisotropy, which is in dB already.
     pub fn anisotropy() -> Self {
-        Self { quantity: Quantity::Decibels("anisotropy"), component: None, unit: 1.0, scale: AxisScale::Linear }
+        Self {
+            quantity: Quantity::Decibels("anisotropy"),
+            component: None,
+            unit: 1.0,
+            zero: 0.0,
+            scale: AxisScale::Linear,
+        }
+    }
+
+    /// Anisotropy above that of an isotropic spectrum, `-10 log10 K` dB.
+    pub fn anisotropy_above(analysis: &Analysis) -> Self {
+        let zero = analysis.radial().map_or(0.0, |radial| radial.anisotropy_reference_db);
+        Self { quantity: Quantity::Decibels("anisotropy above isotropic"), zero, ..Self::anisotropy() }
     }
 
     /// The scale.
@@ -192,7 +206,7 @@ impl Axis {
 
     /// A value of the analysis in the unit of the axis.
     pub fn in_unit(self, value: f64) -> f64 {
-        value / self.unit
+        (value - self.zero) / self.unit
     }
 
     /// Where a value of the analysis is drawn; `None` where that is undefined, as the logarithm of 0 is.
@@ -213,7 +227,7 @@ impl Axis {
             AxisScale::Log => 10f64.powf(drawn),
             AxisScale::Decibel => 10f64.powf(drawn / 10.0),
         };
-        Some(value * self.unit).filter(|v| v.is_finite())
+        Some(value * self.unit + self.zero).filter(|v| v.is_finite())
     }
 
     /// Round numbers between two drawn places, about `target` of them: where they are drawn, and their text.
@@ -301,7 +315,7 @@ mod tests {
     use super::*;
 
     fn axis(unit: f64, scale: AxisScale) -> Axis {
-        Axis { quantity: Quantity::Dimensionless("P"), component: None, unit, scale }
+        Axis { quantity: Quantity::Dimensionless("P"), component: None, unit, zero: 0.0, scale }
     }
 
     #[test]

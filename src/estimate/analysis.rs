@@ -57,7 +57,7 @@ pub struct Analysis {
     /// What was read, where it was read from files.
     pub input: Option<Input>,
     /// Settings as (name, value), in a fixed order, for the summary.
-    pub parameters: Vec<(String, String)>,
+    pub parameters: Vec<(String, serde_json::Value)>,
     /// The domain.
     pub domain: Domain,
     /// Number and size of realizations.

@@ -17,6 +17,68 @@ pub(crate) const DEFAULT_LAG_RINGS: [f64; 3] = [0.5, 1.0, 2.0];
 /// The fewest and the most sectors of a lag ring.
 const SECTORS: [usize; 2] = [4, 36];
 
+/// Bins per axis where no number is given: odd, so that lag 0 and the lags along an axis lie in the middle of cells. On an edge
+/// `h` and `-h` would fall into cells that are not each other's mirror images.
+pub(crate) const DEFAULT_LAG_BINS: usize = 65;
+
+/// How far lags go where nothing is given, in closest-packing distances.
+const DEFAULT_LAG_REACH: f64 = 4.0;
+
+/// How far lags go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LagReach {
+    /// This far on every axis, in length units.
+    Given(f64),
+    /// All lags there are: half the sides of a torus, the sides of a window.
+    Whole,
+}
+
+impl LagReach {
+    /// Where nothing is given: 4 closest-packing distances, as far as they fit.
+    pub fn usual(domain: &Domain, mean_points: f64) -> Self {
+        let reach = DEFAULT_LAG_REACH * domain.closest_packing_distance(mean_points);
+        Self::Given(reach.min(longest_lag(domain)))
+    }
+
+    /// The largest lag of a grid, `None` for all.
+    pub fn limit(self) -> Option<f64> {
+        match self {
+            Self::Given(reach) => Some(reach),
+            Self::Whole => None,
+        }
+    }
+}
+
+impl std::str::FromStr for LagReach {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "whole" => Ok(Self::Whole),
+            number => number.parse().map(Self::Given).map_err(|_| "expected a number, or whole".into()),
+        }
+    }
+}
+
+impl fmt::Display for LagReach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Given(reach) => f.write_str(&number(*reach)),
+            Self::Whole => f.write_str("whole"),
+        }
+    }
+}
+
+/// The longest lag that fits on every axis.
+fn longest_lag(domain: &Domain) -> f64 {
+    whole_lags(domain).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The longest lag of each axis.
+fn whole_lags(domain: &Domain) -> Vec<f64> {
+    domain.sides().iter().map(|&a| if domain.is_torus() { a / 2.0 } else { a }).collect()
+}
+
 /// `bins` half-open bins `[e_k, e_(k+1))` per axis, `e_k = H (2k - B) / B`, over lags `[-H, H)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LagGrid {
@@ -42,9 +104,9 @@ impl LagGrid {
             let reason = format!("expected 1 to {} bins per axis in {dim}D", most.unwrap_or(1));
             return Err(Error::setting(Setting::LagBins, bins, reason));
         }
-        let whole: Vec<f64> = domain.sides().iter().map(|&a| if domain.is_torus() { a / 2.0 } else { a }).collect();
+        let whole = whole_lags(domain);
         if let Some(h) = lag_max {
-            let limit = whole.iter().copied().fold(f64::INFINITY, f64::min);
+            let limit = longest_lag(domain);
             // Written so that NaN fails.
             if !(h > 0.0 && h <= limit) {
                 let what = if domain.is_torus() { "half the shortest side" } else { "the shortest side of the window" };
@@ -278,23 +340,6 @@ impl LagPlan {
         // Points (three u64 axes twice) and a histogram, on the device and here.
         let batch = Batch::new(shape, shape.max_points * 48 + grid.cells() as u64 * 12);
         Ok(Self { domain: domain.clone(), grid, filter, correction, sectors, shape, batch })
-    }
-
-    /// What to say where cells are too coarse to show the structure of the closest neighbours.
-    pub(crate) fn coarse(&self, mean_points: f64) -> Option<String> {
-        let unit = self.domain.closest_packing_distance(mean_points);
-        let width = (0..self.grid.dim()).map(|axis| self.grid.width(axis)).fold(0.0, f64::max);
-        let fits = self.grid.half.iter().all(|&half| 4.0 * unit <= half);
-        // Three digits are plenty.
-        let lag_max = format!("{:.2e}", 4.0 * unit).parse().unwrap_or(4.0 * unit);
-        (width > unit / 4.0 && fits).then(|| {
-            format!(
-                "cells of lags are {:.2} closest-packing distances wide: --lag-max {} would show 4 of these distances \
-                 round lag 0, finely",
-                width / unit,
-                number(lag_max)
-            )
-        })
     }
 
     /// Unordered pairs looked at in all realizations.

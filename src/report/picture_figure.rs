@@ -38,7 +38,7 @@ struct Inset {
 pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
     let image = spectrum_image(analysis)?;
     let Pixels { extent, axes, .. } =
-        spectrum_pixels(analysis, ToneMap::Reinhard, None, ColorMap::Viridis, usize::MAX)?;
+        spectrum_pixels(analysis, ToneMap::Reinhard, None, ColorMap::Viridis, None, usize::MAX)?;
     let labels = axes.map(|axis| format!("ν_{} (cycles per unit length)", ["x", "y", "z"][axis]));
     let caption = format!("P(m): {}. Tone map: {}.", image.seen, tone_text());
     let ticks = ToneMap::Reinhard.ticks(analysis.shape.mean_points);

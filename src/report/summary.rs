@@ -1,4 +1,4 @@
-//! `summary.json`: everything but the arrays. Keys keep the order in which they are added; what is undefined is `null`.
+//! `summary.json`: everything but the arrays, as docs/summary.schema.json has it. Keys keep the order in which they are added; what is undefined is `null`.
 
 use serde::{Serialize, Serializer};
 
@@ -9,7 +9,7 @@ use crate::points::Domain;
 use crate::statistics::Keys;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
-pub(super) const SCHEMA: u32 = 1;
+pub(super) const SCHEMA: u32 = 2;
 
 #[derive(Serialize)]
 struct Sizes {
@@ -34,24 +34,12 @@ struct AccuracyOut {
 }
 
 /// An object whose keys keep the order of the list.
-struct InOrder<V>(Vec<(String, V)>);
+struct InOrder<'a, V>(&'a [(String, V)]);
 
-impl<V: Serialize> Serialize for InOrder<V> {
+impl<V: Serialize> Serialize for InOrder<'_, V> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|(k, v)| (k, v)))
     }
-}
-
-/// Keys once each: JSON leaves the meaning of a repeated key open, so values of one name are joined.
-fn joined(parameters: &[(String, String)]) -> Vec<(String, String)> {
-    let mut out: Vec<(String, String)> = Vec::with_capacity(parameters.len());
-    for (name, value) in parameters {
-        match out.iter_mut().find(|(n, _)| n == name) {
-            Some((_, values)) => *values = format!("{values}; {value}"),
-            None => out.push((name.clone(), value.clone())),
-        }
-    }
-    out
 }
 
 /// Stages once each, their times added.
@@ -75,7 +63,7 @@ pub(super) fn json(a: &Analysis, files: Vec<&'static str>) -> serde_json::Result
     keys.add("version", env!("CARGO_PKG_VERSION"))?;
     keys.add("subject", &a.subject)?;
     keys.add("input", &a.input)?;
-    keys.add("parameters", &InOrder(joined(&a.parameters)))?;
+    keys.add("parameters", &InOrder(&a.parameters))?;
     keys.add("n", &Sizes { min: a.min_points, mean: a.shape.mean_points, max: a.shape.max_points })?;
     keys.add("k", &a.shape.realizations)?;
     keys.add("d", &a.domain.dim())?;
@@ -99,7 +87,7 @@ pub(super) fn json(a: &Analysis, files: Vec<&'static str>) -> serde_json::Result
     keys.add("closed_form", &(!a.closed_form.name.is_empty()).then_some(&a.closed_form.name))?;
     keys.add("warnings", &a.warnings)?;
     keys.add("files", &files)?;
-    keys.add("timings_seconds", &InOrder(added(&a.timings)))?;
+    keys.add("timings_seconds", &InOrder(&added(&a.timings)))?;
     keys.end()?;
     let mut bytes = json.into_inner();
     bytes.push(b'\n');

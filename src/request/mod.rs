@@ -15,7 +15,8 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, LagReach, SmoothingKernel,
+    Taper,
 };
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
@@ -254,9 +255,11 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "B", allow_negative_numbers = true))]
     pub lag_bins: Option<usize>,
 
-    /// Largest lag per axis of the vector g
+    /// Largest lag per axis of the vector g, or whole
+    ///
+    /// Largest lag per axis of the vector g, in length units; whole: half the sides of a torus, the sides of a window.
     #[cfg_attr(feature = "cli", arg(long, value_name = "H", allow_negative_numbers = true))]
-    pub lag_max: Option<f64>,
+    pub lag_max: Option<LagReach>,
 
     /// Radii of rings along which g(r, theta) is shown
     #[cfg_attr(

@@ -153,9 +153,9 @@ pub static SETTINGS: [Row; 50] = [
     row!(BeyondHalf, "--beyond-half", beyond_half, Distances, statistics: PAIRS, refused: OWN_BINS),
     row!(Classes, "--classes", classes, Distances, needs: Some(Setting::ClassColumn), statistics: OF_CLASSES,
         otherwise: "the two there are"),
-    row!(LagBins, "--lag-bins", lag_bins, Lags, usual: true, statistics: &[PcfVector], default: Some("64")),
+    row!(LagBins, "--lag-bins", lag_bins, Lags, usual: true, statistics: &[PcfVector], default: Some("65")),
     row!(LagMax, "--lag-max", lag_max, Lags, usual: true, statistics: &[PcfVector],
-        otherwise: "half the sides of a torus, the sides of a window"),
+        otherwise: "4 closest-packing distances, as far as they fit"),
     row!(LagRings, "--lag-rings", lag_rings, Lags, statistics: &[PcfVector],
         otherwise: "half, 1 and 2 closest-packing distances"),
     row!(Envelope, "--envelope", envelope, Distances, usual: true, statistics: &[Pcf, KFunction, Neighbors]),
@@ -304,7 +304,7 @@ mod tests {
         for domain in [Domain::unit_torus(1), Domain::unit_torus(2), Domain::unit_torus(3), window] {
             let torus = domain.is_torus();
             let (r_max, shortest) = (8.0 * domain.closest_packing_distance(400.0), domain.shortest_side());
-            let (sides, dim) = (domain.sides(), domain.dim());
+            let dim = domain.dim();
             let frequency = (5.0 * 400f64.powf(1.0 / dim as f64)).ceil();
             for (setting, words, value) in [
                 (
@@ -319,8 +319,8 @@ mod tests {
                 ),
                 (
                     Setting::LagMax,
-                    "half the sides of a torus, the sides of a window",
-                    torus.then(|| (sides[0] / 2.0).to_string()),
+                    "4 closest-packing distances, as far as they fit",
+                    Some((0.5 * r_max).min(if torus { shortest / 2.0 } else { shortest }).to_string()),
                 ),
                 (Setting::MaxFrequency, "ceil(5 n^(1/d))", torus.then(|| frequency.to_string())),
                 (

@@ -2,13 +2,17 @@
 
 use std::path::PathBuf;
 
+use serde_json::Value as Json;
+
 use super::DeviceChoice;
 use super::settings::{Row, SETTINGS};
 use super::{DEFAULT_STATISTICS, Request, Statistic};
 use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::memory::Memory;
-use crate::plan::{Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, SmoothingKernel, Taper};
+use crate::plan::{
+    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper,
+};
 use crate::points::Boundary;
 use crate::points::read::RawLayout;
 use crate::setting::Setting;
@@ -17,6 +21,11 @@ use crate::setting::Setting;
 trait Value: Sized {
     fn text(&self) -> String;
     fn parse(text: &str) -> Result<Self, String>;
+
+    /// As JSON: a number where it is one.
+    fn json(&self) -> Json {
+        self.text().into()
+    }
 
     /// All values there are; none where any text may be one.
     fn choices() -> Vec<&'static str> {
@@ -28,6 +37,8 @@ trait Value: Sized {
 pub(super) trait Field {
     /// What is typed to have this value: nothing where it is left out, several texts where the flag is repeated.
     fn texts(&self) -> Vec<String>;
+    /// The value as JSON; none where it is left out.
+    fn json(&self) -> Option<Json>;
     /// Takes another value.
     fn set(&mut self, text: &str) -> Result<(), String>;
     /// Takes the value it has where it is left out.
@@ -38,19 +49,6 @@ pub(super) trait Field {
     fn is_switch(&self) -> bool {
         false
     }
-}
-
-macro_rules! parsed {
-    ($($type:ty),+) => {$(
-        impl Value for $type {
-            fn text(&self) -> String {
-                self.to_string()
-            }
-            fn parse(text: &str) -> Result<Self, String> {
-                text.parse().map_err(|error| format!("{error}"))
-            }
-        }
-    )+};
 }
 
 macro_rules! chosen {
@@ -69,7 +67,32 @@ macro_rules! chosen {
     )+};
 }
 
-parsed!(u32, u64, usize, String);
+macro_rules! counted {
+    ($($type:ty),+) => {$(
+        impl Value for $type {
+            fn text(&self) -> String {
+                self.to_string()
+            }
+            fn parse(text: &str) -> Result<Self, String> {
+                text.parse().map_err(|error| format!("{error}"))
+            }
+            fn json(&self) -> Json {
+                (*self).into()
+            }
+        }
+    )+};
+}
+
+impl Value for String {
+    fn text(&self) -> String {
+        self.clone()
+    }
+    fn parse(text: &str) -> Result<Self, String> {
+        Ok(text.into())
+    }
+}
+
+counted!(u32, u64, usize);
 chosen!(
     Accuracy,
     BinScale,
@@ -90,6 +113,9 @@ impl Value for f64 {
     }
     fn parse(text: &str) -> Result<Self, String> {
         text.parse().map_err(|error| format!("{error}"))
+    }
+    fn json(&self) -> Json {
+        (*self).into()
     }
 }
 
@@ -115,9 +141,13 @@ impl Value for RawLayout {
     }
 }
 
+/// In bytes, as JSON.
 impl Value for Memory {
     fn text(&self) -> String {
         self.to_string()
+    }
+    fn json(&self) -> Json {
+        self.0.into()
     }
     fn parse(text: &str) -> Result<Self, String> {
         text.parse()
@@ -130,6 +160,21 @@ impl Value for Bandwidth {
             Self::Given(bandwidth) => number(*bandwidth),
             rule => rule.to_string(),
         }
+    }
+    fn json(&self) -> Json {
+        match self {
+            Self::Given(bandwidth) => (*bandwidth).into(),
+            rule => rule.to_string().into(),
+        }
+    }
+    fn parse(text: &str) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl Value for LagReach {
+    fn text(&self) -> String {
+        self.to_string()
     }
     fn parse(text: &str) -> Result<Self, String> {
         text.parse()
@@ -144,6 +189,12 @@ impl Value for DeviceChoice {
             Self::Gpu => "gpu".into(),
             Self::Reference => "reference".into(),
             Self::Index(index) => index.to_string(),
+        }
+    }
+    fn json(&self) -> Json {
+        match self {
+            Self::Index(index) => (*index).into(),
+            named => named.text().into(),
         }
     }
     fn parse(text: &str) -> Result<Self, String> {
@@ -162,12 +213,18 @@ impl<T: Value> Value for Vec<T> {
     fn parse(text: &str) -> Result<Self, String> {
         text.split(',').map(T::parse).collect()
     }
+    fn json(&self) -> Json {
+        self.iter().map(Value::json).collect()
+    }
 }
 
 /// What may be left out.
 impl<T: Value> Field for Option<T> {
     fn texts(&self) -> Vec<String> {
         self.iter().map(Value::text).collect()
+    }
+    fn json(&self) -> Option<Json> {
+        self.as_ref().map(Value::json)
     }
     fn set(&mut self, text: &str) -> Result<(), String> {
         *self = Some(T::parse(text)?);
@@ -187,6 +244,9 @@ macro_rules! always {
         impl Field for $type {
             fn texts(&self) -> Vec<String> {
                 vec![self.text()]
+            }
+            fn json(&self) -> Option<Json> {
+                Some(Value::json(self))
             }
             fn set(&mut self, text: &str) -> Result<(), String> {
                 *self = Value::parse(text)?;
@@ -208,6 +268,9 @@ impl Field for Vec<Statistic> {
     fn texts(&self) -> Vec<String> {
         vec![self.text()]
     }
+    fn json(&self) -> Option<Json> {
+        Some(Value::json(self))
+    }
     fn set(&mut self, text: &str) -> Result<(), String> {
         *self = Value::parse(text)?;
         Ok(())
@@ -226,6 +289,9 @@ macro_rules! repeated {
         impl Field for Vec<$type> {
             fn texts(&self) -> Vec<String> {
                 self.iter().map(Value::text).collect()
+            }
+            fn json(&self) -> Option<Json> {
+                (!self.is_empty()).then(|| Value::json(self))
             }
             fn set(&mut self, text: &str) -> Result<(), String> {
                 *self = vec![Value::parse(text)?];
@@ -246,6 +312,9 @@ repeated!(PathBuf, String);
 impl Field for bool {
     fn texts(&self) -> Vec<String> {
         vec![self.to_string()]
+    }
+    fn json(&self) -> Option<Json> {
+        Some((*self).into())
     }
     fn set(&mut self, text: &str) -> Result<(), String> {
         *self = text.parse().map_err(|_| "expected true or false")?;
@@ -356,14 +425,10 @@ impl Request {
     }
 
     /// The settings as (name, value), unset ones left out, in the order of their names.
-    pub fn parameters(&self) -> Vec<(String, String)> {
-        let mut named: Vec<_> = SETTINGS
-            .iter()
-            .map(|row| (row.setting.name().replace('_', "-"), (row.get)(self).texts()))
-            .filter(|(_, texts)| !texts.is_empty())
-            .map(|(name, texts)| (name, texts.join(",")))
-            .collect();
-        named.sort();
+    pub fn parameters(&self) -> Vec<(String, Json)> {
+        let given = |row: &Row| Some((row.setting.name().replace('_', "-"), (row.get)(self).json()?));
+        let mut named: Vec<_> = SETTINGS.iter().filter_map(given).collect();
+        named.sort_by(|(a, _), (b, _)| a.cmp(b));
         named
     }
 }

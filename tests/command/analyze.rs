@@ -132,3 +132,18 @@ fn quiet_is_silent_and_stdin_is_a_file() {
     assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
     assert!(std::fs::read_to_string(scratch.path("o/summary.json")).unwrap().contains("2"));
 }
+
+#[test]
+fn clusters_of_a_single_realization_are_a_warning() {
+    let scratch = Scratch::new();
+    let warned = |flags: &str| {
+        scratch.ok(&format!("analyze --sampler {flags} --stats pcf --device cpu --force --out out"));
+        summary(&scratch.path("out"))["warnings"].to_string().contains("points are clustered: ")
+    };
+    assert!(warned("thomas -n 500"));
+    assert!(!warned("thomas -n 500 -k 2"), "errors are across realizations");
+    for seed in 1..20 {
+        assert!(!warned(&format!("random -n 500 --seed {seed}")), "{seed}");
+    }
+    assert!(!warned("jittered -n 484") && !warned("grid -n 484"));
+}

@@ -78,7 +78,7 @@ fn bandwidths_and_methods_reach_the_summary() {
     let json = summary(&scratch.path("lscv"));
     let kernel = &json["pair_correlation"]["kernel"];
     assert_eq!(json["parameters"]["bandwidth"], "lscv");
-    assert_eq!((kernel["road"].as_str(), kernel["errors"].as_str()), (Some("direct"), Some("across-realizations")));
+    assert_eq!((kernel["method"].as_str(), kernel["errors"].as_str()), (Some("direct"), Some("across-realizations")));
     let found = &kernel["cross_validation"];
     assert_eq!(found["bandwidth"], kernel["bandwidth"]);
     let (b, lo, hi) = (&found["bandwidth"], &found["range"][0], &found["range"][1]);
@@ -88,7 +88,7 @@ fn bandwidths_and_methods_reach_the_summary() {
     let json = summary(&scratch.path("given"));
     assert_eq!(
         (&json["parameters"]["bandwidth"], &json["pair_correlation"]["kernel"]["bandwidth"]),
-        (&"0.02".into(), &0.02.into())
+        (&0.02.into(), &0.02.into())
     );
     assert!(json["pair_correlation"]["kernel"]["cross_validation"].is_null());
 }

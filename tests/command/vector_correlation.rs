@@ -44,10 +44,14 @@ fn vector_g_on_its_own_and_with_everything() {
     let plan =
         scratch.ok("analyze --sampler random -n 100 --dim 3 --stats pcf-vector --lag-bins 20 --device cpu --explain");
     assert!(plan.contains("lag_counts: ") && plan.contains("20 x 20 x 20 bins over lags [-0.5, 0.5) x"), "{plan}");
-    // The cells of all lags are wider than what happens between neighbours.
-    let coarse = scratch.run("analyze --sampler random -n 1024 --stats pcf-vector --device cpu --out coarse");
-    let hint = "cells of lags are 0.47 closest-packing distances wide: --lag-max 0.134 would show 4 of these distances";
-    assert!(String::from_utf8(coarse.stderr).unwrap().contains(hint));
+    // An odd number of cells as far as neighbours are seen, or all lags.
+    let plan = |more: &str| {
+        scratch.ok(&format!("analyze --sampler random -n 1024 --stats pcf-vector {more} --device cpu --explain"))
+    };
+    let usual = plan("");
+    assert!(usual.contains("65 x 65 bins over lags [-0.1343") && !usual.contains("[-0.5, 0.5)"), "{usual}");
+    let whole = plan("--lag-max whole");
+    assert!(whole.contains("65 x 65 bins over lags [-0.5, 0.5) x [-0.5, 0.5)"), "{whole}");
     // In a window with another correction of g(r) the vector g keeps its own.
     scratch.file("w.csv", "0.1,0.1\n0.4,0.2\n0.3,0.9\n0.8,0.8\n");
     scratch.ok("analyze w.csv --window 0,1,0,1 --stats pcf,pcf-vector --correction border --lag-bins 4 --explain");
@@ -61,5 +65,24 @@ fn vector_g_on_its_own_and_with_everything() {
     for file in ["pcf_vector.npy", "pcf_vector_se.npy", "pcf_vector_counts.npy", "pcf_vector.png", "pcf_angular.csv"] {
         let bytes = |t: u32| std::fs::read(scratch.path(&format!("t{t}")).join(file)).unwrap();
         assert!(bytes(1) == bytes(3), "{file}");
+    }
+}
+
+/// Of a lattice g(h) has the symmetries of the square, whatever lags are asked for: no lag of it lies on an edge.
+#[test]
+fn g_of_a_lattice_is_symmetric() {
+    let scratch = Scratch::new();
+    for (name, more) in [("usual", ""), ("whole", "--lag-max whole")] {
+        scratch.ok(&format!("analyze --sampler grid -n 1024 --stats pcf-vector {more} --device cpu --out {name}"));
+        let (shape, g) = npy(&scratch.path(name).join("pcf_vector.npy"));
+        assert_eq!(shape, [65, 65]);
+        let at = |x: usize, y: usize| g[65 * x + y];
+        assert!((0..65 * 65).all(|k| {
+            let (x, y) = (k / 65, k % 65);
+            let half = name == "whole" && (x % 64 == 0 || y % 64 == 0);
+            half || (at(x, y) == at(64 - x, y) && at(x, y) == at(y, x))
+        }));
+        assert_eq!(at(32, 32), 0.0, "lag 0 is the middle of a cell");
+        assert!(g.iter().any(|g| *g > 1.0));
     }
 }

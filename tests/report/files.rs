@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use crate::common::*;
 use pairwave::accumulate::{Backend, ComputedBy};
@@ -279,8 +280,49 @@ fn listing(dir: &Path) -> Vec<String> {
     names
 }
 
+/// The summary, held against its schema.
 fn json(dir: &Path) -> serde_json::Value {
-    serde_json::from_slice(&fs::read(dir.join("summary.json")).unwrap()).unwrap()
+    static SCHEMA: LazyLock<jsonschema::Validator> =
+        LazyLock::new(|| jsonschema::validator_for(&summary_schema()).unwrap());
+    let summary = serde_json::from_slice(&fs::read(dir.join("summary.json")).unwrap()).unwrap();
+    let faults: Vec<_> = SCHEMA.iter_errors(&summary).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    summary
+}
+
+fn summary_schema() -> serde_json::Value {
+    serde_json::from_str(include_str!("../../docs/summary.schema.json")).unwrap()
+}
+
+/// Every key of the schema is described, there and on the page, and a fault is seen.
+#[test]
+fn the_schema_of_the_summary_is_the_page_about_it() {
+    fn keys(schema: &serde_json::Value, path: &str, all: &mut Vec<(String, String)>) {
+        for (key, of) in schema["properties"].as_object().into_iter().flatten() {
+            let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+            all.push((path.clone(), of["description"].as_str().unwrap_or_else(|| panic!("{path}")).to_string()));
+            keys(of, &path, all);
+            keys(&of["items"], &format!("{path}[]"), all);
+        }
+    }
+    let page = include_str!("../../docs/summary.md");
+    let mut all = Vec::new();
+    keys(&summary_schema(), "", &mut all);
+    let rows: Vec<_> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    assert_eq!(rows.len(), all.len());
+    for (path, description) in &all {
+        let (start, end) = (format!("| `{path}` |"), format!("| {} |", description.replace('|', "\\|")));
+        assert!(rows.iter().any(|row| row.starts_with(&start) && row.ends_with(&end)), "{start} {end}");
+    }
+    let validator = jsonschema::validator_for(&summary_schema()).unwrap();
+    let root = tempfile::tempdir().unwrap();
+    report::write(root.path(), &small(), false).unwrap();
+    let right = json(root.path());
+    for (key, wrong) in [("k", "2".into()), ("schema", 1.into()), ("new", 1.into()), ("warnings", vec![1].into())] {
+        let mut summary = right.clone();
+        summary[key] = wrong;
+        assert!(!validator.is_valid(&summary), "{key}");
+    }
 }
 
 fn columns(path: &Path) -> (Vec<String>, BTreeMap<String, Vec<String>>) {
@@ -484,7 +526,10 @@ fn tables_read_back_as_the_same_numbers() {
     assert_eq!(c["g_kernel"][4].parse::<f64>().unwrap(), 4.0 / 3.0);
 
     let kernel = &json(root.path())["pair_correlation"]["kernel"];
-    assert_eq!((&kernel["road"], &kernel["divisor"], &kernel["bound"]), (&"binned".into(), &"r".into(), &1e-6.into()));
+    assert_eq!(
+        (&kernel["method"], &kernel["divisor"], &kernel["bound"]),
+        (&"binned".into(), &"r".into(), &1e-6.into())
+    );
     assert_eq!(kernel["errors"], "across-realizations");
 
     let (header, c) = columns(&root.path().join("envelope.csv"));
@@ -698,15 +743,15 @@ fn the_vector_g_has_x_first_and_y_upward() {
 fn the_summary_holds_the_scalars() {
     let root = tempfile::tempdir().unwrap();
     let mut a = small();
-    a.parameters = vec![("z".into(), "1".into()), ("a".into(), "2".into()), ("z".into(), "3".into())];
+    a.parameters = vec![("z".into(), 1.into()), ("a".into(), vec!["2", "3"].into())];
     a.warnings = vec!["mind \"this\"".into()];
     a.findings.get_mut::<Neighbors>().unwrap().distances.mean_se = Some(f64::NAN);
     report::write(root.path(), &a, false).unwrap();
     let summary = json(root.path());
-    assert_eq!(summary["schema"], 1);
+    assert_eq!(summary["schema"], 2);
     assert_eq!(summary["n"], serde_json::json!({"min": 7, "mean": 8.0, "max": 9}));
     assert_eq!((&summary["k"], &summary["d"]), (&2.into(), &2.into()));
-    assert_eq!(summary["parameters"], serde_json::json!({"z": "1; 3", "a": "2"}));
+    assert_eq!(summary["parameters"], serde_json::json!({"z": 1, "a": ["2", "3"]}));
     assert_eq!(summary["domain"]["boundary"], "torus");
     assert_eq!(summary["accuracy"]["power_bound"]["max_uniform"], 1e-11);
     assert_eq!(summary["pair_correlation"]["errors"], "across-realizations");

@@ -406,7 +406,7 @@ fn pictures_have_their_peaks_in_place_and_y_upward() {
     let a = slanted();
     for map in ColorMap::SEQUENTIAL {
         for tones in ToneMap::ALL {
-            let pixels = display::spectrum_pixels(&a, tones, None, map, 2048).unwrap();
+            let pixels = display::spectrum_pixels(&a, tones, None, map, None, 2048).unwrap();
             assert_eq!((pixels.width, pixels.height, pixels.rgb.len()), (19, 19, 3 * 19 * 19));
             assert_eq!(pixels.extent, [[-9.5, 9.5]; 2]);
             for m0 in -9..=9 {
@@ -444,7 +444,7 @@ fn pictures_with_little_room_keep_peaks_and_means() {
     spectrum.p.fill(0.5);
     spectrum.p[grid.half_index([7, 12, 0])] = 60.0;
     // 41 modes in 14 pixels of 3; the peak and its mirror image, DC, and means.
-    let pixels = display::spectrum_pixels(&a, ToneMap::Reinhard, Some(100.0), ColorMap::Viridis, 16).unwrap();
+    let pixels = display::spectrum_pixels(&a, ToneMap::Reinhard, Some(100.0), ColorMap::Viridis, None, 16).unwrap();
     assert_eq!((pixels.width, pixels.height, pixels.extent), (14, 14, [[-20.5, 21.5]; 2]));
     let tone = |p| ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 100.0));
     for (at, expected) in
@@ -468,7 +468,7 @@ fn pictures_with_little_room_keep_peaks_and_means() {
 #[test]
 fn pictures_of_space_are_slices() {
     let a = analyze(&format!("--sampler random --dim 3 -n 40 {STATS} --max-frequency 3 --lag-bins 6"));
-    let pixels = display::spectrum_pixels(&a, ToneMap::Reinhard, None, ColorMap::Viridis, 2048).unwrap();
+    let pixels = display::spectrum_pixels(&a, ToneMap::Reinhard, None, ColorMap::Viridis, None, 2048).unwrap();
     let p = a.spectrum().unwrap().at([2, -1, 0]).unwrap();
     assert_eq!(color_at(&pixels, [2.0, -1.0]), ColorMap::Viridis.color(ToneMap::Reinhard.tone(p, 40.0)));
     let vector = a.vector().unwrap();

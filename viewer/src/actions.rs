@@ -51,6 +51,8 @@ pub enum Keyed {
     AllPanels,
     /// Plots and pictures show all they have.
     ResetZoom,
+    /// Shows or hides the controls.
+    Controls,
     /// The next theme.
     Theme,
     /// Twice the realizations.

@@ -1,6 +1,7 @@
 //! The window: controls at the left, panels in the middle, what is going on at the bottom.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use eframe::egui;
 use pairwave::display::Panel;
@@ -8,7 +9,7 @@ use pairwave::request::Request;
 
 use crate::actions::{Action, Keyed, Take};
 use crate::controls::Controls;
-use crate::engine::{SetId, Snapshot};
+use crate::engine::{PACE, SetId, Snapshot};
 use crate::export::{self, Exports};
 use crate::files::{self, Answer, Choice, Files};
 use crate::hover::Hover;
@@ -25,6 +26,10 @@ pub struct Viewer {
     state: State,
     /// Whether the status line has the time it took.
     pub timings: bool,
+    /// Whether the processor draws, which measures too: results are then shown less often.
+    pub drawn_by_processor: bool,
+    /// Time between two results of a set, as the worker was last told.
+    pace: Duration,
     hover: Hover,
     controls: Controls,
     panels: Panels,
@@ -50,6 +55,8 @@ impl Viewer {
         let mut viewer = Self {
             state: State::default(),
             timings: true,
+            drawn_by_processor: false,
+            pace: PACE,
             hover: Hover::default(),
             controls: Controls::default(),
             panels: Panels::default(),
@@ -118,6 +125,15 @@ impl Viewer {
         self.held.retain(|id, _| is_there(id));
     }
 
+    /// Has results come as often as drawing them leaves the processor to measuring.
+    fn keep_pace(&mut self, ctx: &egui::Context) {
+        let pixels = ctx.content_rect().area() * ctx.pixels_per_point().powi(2);
+        let pace = if self.drawn_by_processor { pace_of(pixels) } else { PACE };
+        if std::mem::replace(&mut self.pace, pace) != pace {
+            self.worker.pace(pace);
+        }
+    }
+
     /// Names the window after what is in it.
     fn name_window(&mut self, ctx: &egui::Context) {
         let names: Vec<String> = self.state.sets.iter().map(Set::name).collect();
@@ -158,6 +174,13 @@ impl Viewer {
         self.state.sets.iter().map(|set| set.snapshot.as_deref())
     }
 
+    /// Light or dark, as the last window had it.
+    pub fn keep_theme(&mut self, last: &str) {
+        if let Ok(session) = Session::parse(last) {
+            self.state.view.theme = session.theme();
+        }
+    }
+
     /// The session as text.
     pub fn session(&self) -> String {
         Session::of(&self.state).text()
@@ -194,6 +217,7 @@ impl Viewer {
             Theme::Light => egui::ThemePreference::Light,
             Theme::Dark => egui::ThemePreference::Dark,
         });
+        self.keep_pace(&ctx);
         self.exchange();
         let actions = help::shortcuts(&ctx, self.state.help);
         self.carry_out(&ctx, actions);
@@ -203,12 +227,15 @@ impl Viewer {
         self.name_window(&ctx);
         let bottom = egui::Panel::bottom("status").show(ui, |ui| status::show(ui, &self.state, self.timings));
         self.carry_out(&ctx, bottom.inner);
-        let left = egui::Panel::left("controls")
-            .resizable(true)
-            .default_size(248.0)
-            .size_range(220.0..=420.0)
-            .show(ui, |ui| egui::ScrollArea::vertical().show(ui, |ui| self.controls.show(ui, &self.state)).inner);
-        self.carry_out(&ctx, left.inner);
+        if self.state.view.controls {
+            let left = egui::Panel::left("controls").resizable(true).default_size(248.0).size_range(220.0..=420.0);
+            let left = left.show(ui, |ui| {
+                // Beside the controls, never over them.
+                ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
+                egui::ScrollArea::vertical().show(ui, |ui| self.controls.show(ui, &self.state)).inner
+            });
+            self.carry_out(&ctx, left.inner);
+        }
         let mut actions = Vec::new();
         let middle = egui::CentralPanel::default().show(ui, |ui| {
             let mut scene = Scene {
@@ -284,6 +311,7 @@ impl Viewer {
             // Which one, its key says: an `Action::Maximize`.
             Keyed::Panel => {}
             Keyed::ResetZoom => self.panels.reset(),
+            Keyed::Controls => state.view.controls = !state.view.controls,
             Keyed::Theme => state.view.theme = state.view.theme.next(),
             Keyed::More => state.double(),
             Keyed::Fewer => state.halve(),
@@ -346,6 +374,11 @@ impl Viewer {
         ctx.copy_text(request.command());
         self.state.messages.note(export::copied(&request));
     }
+}
+
+/// Software Vulkan takes all cores for about 0.1 microseconds per pixel: a tenth of the time for drawing.
+fn pace_of(pixels: f32) -> Duration {
+    Duration::from_micros(pixels as u64).clamp(PACE, Duration::from_secs(4))
 }
 
 impl eframe::App for Viewer {

@@ -70,6 +70,12 @@ impl Controls {
     }
 }
 
+/// What a setting is called here: as its control, or else as its flag.
+pub(crate) fn title(setting: Setting) -> &'static str {
+    let titled = points::OF_FILES.iter().chain(&points::OF_SAMPLERS).chain(&measure::TITLES);
+    titled.clone().find(|(one, _)| *one == setting).map_or_else(|| setting.flag(), |(_, title)| title)
+}
+
 /// A name and, beside it, what it names.
 fn row<R>(ui: &mut egui::Ui, name: &str, help: &str, control: impl FnOnce(&mut egui::Ui, egui::Id) -> R) -> R {
     ui.horizontal(|ui| {
@@ -102,7 +108,11 @@ fn choice<T: Copy + PartialEq>(
     })
 }
 
-/// A setting of a set: what it takes decides what it looks like. What was refused is said below it.
+/// A rule in more words than a control has room for is told when it is pointed at.
+const ROOM: usize = 16;
+
+/// A setting of a set: what it takes decides what it looks like. What could not be read is said below it; what cannot be measured is
+/// said where sets are listed, and marked here.
 fn setting(
     ui: &mut egui::Ui,
     controls: &mut Controls,
@@ -116,6 +126,8 @@ fn setting(
     let value = request.value(setting);
     let help = format!("{}\n{}", controls.help.get(&setting).map_or("", String::as_str), row.flag);
     let (choices, otherwise) = (row.choices(), row.left_out(Setting::flag));
+    let otherwise = if otherwise.chars().count() > ROOM { "automatic".to_string() } else { otherwise };
+    let failed = set.snapshot.as_ref().is_some_and(|s| s.setting == Some(setting));
     let mut wanted = None;
     if row.is_switch() {
         let mut on = !value.is_empty();
@@ -126,7 +138,10 @@ fn setting(
         self::row(ui, title, &help, |ui, label| {
             let typed = controls.typed.get(&key);
             let mut text = typed.map_or(value.clone(), |t| t.text.clone());
-            let edit = egui::TextEdit::singleline(&mut text).hint_text(&otherwise).desired_width(f32::INFINITY);
+            let mut edit = egui::TextEdit::singleline(&mut text).hint_text(&otherwise).desired_width(f32::INFINITY);
+            if failed {
+                edit = edit.text_color(ui.visuals().error_fg_color);
+            }
             let edit = ui.add(edit).labelled_by(label).on_hover_text(&help);
             if edit.lost_focus() && text != value {
                 wanted = Some(text);
@@ -156,12 +171,11 @@ fn setting(
                 *request = changed;
                 controls.typed.remove(&key);
             }
-            Err(error) => _ = controls.typed.insert(key, Typed { text, error: Some(error.told(Setting::flag)) }),
+            Err(error) => _ = controls.typed.insert(key, Typed { text, error: Some(error.told(self::title)) }),
         }
     }
-    let failed = set.snapshot.as_ref().filter(|s| s.setting == Some(setting)).and_then(|s| s.error.clone());
-    if let Some(error) = controls.typed.get(&key).and_then(|t| t.error.clone()).or(failed) {
-        refusal(ui, &error);
+    if let Some(error) = controls.typed.get(&key).and_then(|t| t.error.as_deref()) {
+        refusal(ui, error);
     }
 }
 

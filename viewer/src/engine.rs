@@ -11,8 +11,10 @@ use pairwave::request::DeviceChoice;
 use pairwave::request::Request;
 use pairwave::{Error, Result, Setting};
 
+use crate::controls;
+
 /// Estimates are made at most this often per set while sums come in: more often than anyone can see costs only time.
-const SHOW: Duration = Duration::from_millis(100);
+pub const PACE: Duration = Duration::from_millis(100);
 
 /// Which set a request is of.
 pub type SetId = u32;
@@ -39,8 +41,9 @@ pub struct Snapshot {
 }
 
 /// Measurements under way.
-#[derive(Default)]
 pub struct Engine {
+    /// Time between two estimates of a set.
+    pub pace: Duration,
     jobs: BTreeMap<SetId, Task>,
     /// Sets that wait, with what they have.
     held: BTreeSet<SetId>,
@@ -66,6 +69,12 @@ struct Task {
     idle: bool,
 }
 
+impl Default for Engine {
+    fn default() -> Self {
+        Self { pace: PACE, jobs: BTreeMap::new(), held: BTreeSet::new(), devices: Vec::new(), last: 0, generation: 0 }
+    }
+}
+
 impl Engine {
     /// Asks for a set, or for other settings of it.
     pub fn set(&mut self, id: SetId, request: Request) {
@@ -77,7 +86,7 @@ impl Engine {
             shown: None,
             idle: false,
         });
-        (job.request, job.changed, job.idle) = (request, true, false);
+        (job.request, job.changed, job.idle, job.shown) = (request, true, false, None);
     }
 
     /// Forgets a set.
@@ -131,7 +140,7 @@ impl Engine {
         let ended = !matches!(more, Ok(true));
         let cancelled = matches!(more, Err(Error::Cancelled));
         job.idle = ended && !cancelled;
-        let due = job.shown.is_none_or(|at| at.elapsed() >= SHOW);
+        let due = job.shown.is_none_or(|at| at.elapsed() >= self.pace);
         let snapshot = (!cancelled && (ended || due)).then(|| {
             self.generation += 1;
             job.shown = Some(Instant::now());
@@ -147,7 +156,7 @@ impl Engine {
                 analysis,
                 status: measurement.map(Measurement::status),
                 done: matches!(more, Ok(false)),
-                error: more.as_ref().err().map(|e| e.told(Setting::flag)),
+                error: more.as_ref().err().map(|e| e.told(controls::title)),
                 setting: match more {
                     Err(Error::Setting { setting, .. }) => Some(setting),
                     _ => None,

@@ -37,13 +37,14 @@ const PANELS: [KeyboardShortcut; Panel::ALL.len()] =
     [key(Key::Num1), key(Key::Num2), key(Key::Num3), key(Key::Num4), key(Key::Num5), key(Key::Num6)];
 
 /// All of them. Of two that share a key, the one with more modifiers comes first.
-pub const SHORTCUTS: [Shortcut; 18] = [
+pub const SHORTCUTS: [Shortcut; 19] = [
     shortcut(&[key(Key::F1), key(Key::Questionmark)], Keyed::Help, "show or hide this help"),
     shortcut(&[key(Key::Escape)], Keyed::Leave, "close the help; else show all panels again"),
     shortcut(&[key(Key::Space)], Keyed::Pause, "pause measuring, go on"),
     shortcut(&PANELS, Keyed::Panel, "fill the window with one panel"),
     shortcut(&[key(Key::Num0)], Keyed::AllPanels, "show all panels again"),
     shortcut(&[key(Key::R)], Keyed::ResetZoom, "reset zoom and pan of all plots"),
+    shortcut(&[key(Key::B)], Keyed::Controls, "hide the controls, show them again"),
     shortcut(&[key(Key::T)], Keyed::Theme, "next theme: system, light, dark"),
     shortcut(&[key(Key::Plus), key(Key::Equals)], Keyed::More, "double the realizations of the selected set"),
     shortcut(&[key(Key::Minus)], Keyed::Fewer, "halve them"),
@@ -63,10 +64,11 @@ pub const SHORTCUTS: [Shortcut; 18] = [
 ];
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 8] = [
+const MOUSE: [(&str, &str); 9] = [
     ("point at", "mark the same distance or frequency in every panel, with value, error and unit"),
     ("drag", "pan"),
-    ("wheel, pinch", "zoom"),
+    ("wheel, pinch", "zoom; of curves along the first axis, upward to what is seen"),
+    ("Shift and wheel", "zoom curves upward"),
     ("right drag", "zoom to a box in a plot of curves"),
     ("double click", "in a plot: reset its zoom; on a title: fill the window, show all again"),
     ("📤 of a panel", "take away its picture, figure, numbers or command"),

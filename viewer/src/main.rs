@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{CommandFactory, FromArgMatches, Parser, error::ErrorKind};
 use eframe::egui;
@@ -65,11 +66,17 @@ fn main() -> ExitCode {
             let again = ctx.clone();
             let notify = move || again.request_repaint();
             let request = Viewer::with_points(request);
-            let mut viewer = Viewer::new(request, Box::new(LocalFiles::new(notify)), move || ctx.request_repaint())?;
+            // A delay, if only of a moment, is one frame; none is two.
+            let result = move || ctx.request_repaint_after(Duration::from_millis(1));
+            let mut viewer = Viewer::new(request, Box::new(LocalFiles::new(notify)), result)?;
+            let drawn_by = creation.wgpu_render_state.as_ref().map(|state| state.adapter.get_info().device_type);
+            viewer.drawn_by_processor = drawn_by == Some(eframe::wgpu::DeviceType::Cpu);
             let last = creation.storage.and_then(|storage| storage.get_string(session::LAST));
             match (&session, last) {
                 (Some(session), _) => viewer.take_session(session)?,
                 (None, Some(last)) if !asked && !fresh => viewer.reopen(&last),
+                // Points are others, eyes are not.
+                (None, Some(last)) => viewer.keep_theme(&last),
                 _ => {}
             }
             Ok(Box::new(viewer))

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::set::{MOST_SETS, Set, Wanted};
 use crate::state::State;
-use crate::view::View;
+use crate::view::{Theme, View};
 
 /// What a session calls itself.
 const FORMAT: &str = "pairwave-viewer session";
@@ -71,6 +71,11 @@ impl Session {
         state.replace(self.wanted()?, self.selected);
         state.view = self.view.clone();
         Ok(())
+    }
+
+    /// Light or dark.
+    pub(crate) fn theme(&self) -> Theme {
+        self.view.theme
     }
 
     /// As JSON.

@@ -12,6 +12,10 @@ use crate::style;
 pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Action> {
     let mut actions = Vec::new();
     ui.horizontal(|ui| {
+        let text = if state.view.controls { "Hide the controls (B)" } else { "Show the controls (B)" };
+        if style::icon(ui, "☰", text).clicked() {
+            actions.push(Action::Keyed(Keyed::Controls));
+        }
         let (sign, text) = if state.paused { ("▶", "Go on (Space)") } else { ("⏸", "Pause (Space)") };
         if style::icon(ui, sign, text).clicked() {
             actions.push(Action::Keyed(Keyed::Pause));
@@ -31,6 +35,12 @@ pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Actio
             if style::icon(ui, sign, text).clicked() {
                 actions.push(Action::Cancel(set.id, !cancelled));
             }
+        }
+        // Said where sets are listed, if they are.
+        if let Some(error) = snapshot.error.as_ref().filter(|_| !state.view.controls) {
+            let text = egui::RichText::new(error).color(ui.visuals().error_fg_color);
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(error);
+            return;
         }
         let Some(status) = &snapshot.status else {
             ui.label(&snapshot.device);

@@ -32,12 +32,16 @@ pub struct View {
     pub bands: bool,
     /// Whether curves have their closed forms.
     pub closed_forms: bool,
+    /// Spectra as papers print them: tones, colours, unit and range of frequencies and anisotropy are theirs.
+    pub paper: bool,
     /// Of the 2D spectrum.
     pub tone_map: ToneMap,
     /// Of the 2D spectrum.
     pub spectrum_colors: ColorMap,
     /// Of the vector g.
     pub vector_colors: ColorMap,
+    /// Whether the controls are there.
+    pub controls: bool,
     /// Which pair of axes of a 3D set.
     pub plane: usize,
     /// Points: copies around the torus.
@@ -109,9 +113,11 @@ impl Default for View {
             p_scale: AxisScale::Linear,
             bands: true,
             closed_forms: true,
+            paper: false,
             tone_map: ToneMap::default(),
             spectrum_colors: ColorMap::SEQUENTIAL[0],
             vector_colors: ColorMap::DIVERGING[0],
+            controls: true,
             plane: 0,
             tiling: false,
             indices: false,

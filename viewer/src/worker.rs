@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use pairwave::control::Control;
 use pairwave::request::Request;
@@ -34,6 +35,8 @@ struct Desk {
     results: BTreeMap<SetId, Arc<Snapshot>>,
     paused: bool,
     stopped: bool,
+    /// Time between two results of a set, if another one is wished for.
+    pace: Option<Duration>,
     /// Of the step under way, with its set.
     step: Option<(SetId, Arc<Control>)>,
 }
@@ -98,6 +101,11 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
+    /// Gives results of a set no more often than this while realizations come in; those that are last come at once.
+    pub fn pace(&self, pace: Duration) {
+        self.shared.desk().pace = Some(pace);
+    }
+
     /// The latest of a set.
     pub fn latest(&self, id: SetId) -> Option<Arc<Snapshot>> {
         self.shared.desk().results.get(&id).cloned()
@@ -159,6 +167,9 @@ fn turn(shared: &Shared, engine: &mut Engine) {
         }
         for (id, held) in std::mem::take(&mut desk.holds) {
             engine.hold(id, held);
+        }
+        if let Some(pace) = desk.pace.take() {
+            engine.pace = pace;
         }
         if desk.paused {
             return;

@@ -43,7 +43,7 @@ pub(super) fn page(analysis: &Analysis, pictures: &BTreeMap<&'static str, Pictur
 
     html.push_str("<h2>How it was computed</h2>\n");
     if let Some((_, command)) = a.parameters.iter().find(|(name, _)| name == "command") {
-        let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(command));
+        let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(&plain(command)));
     }
     let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
     let read = a.input.as_ref().map(|input| ("Read".into(), escape(&input.words())));
@@ -63,7 +63,7 @@ pub(super) fn page(analysis: &Analysis, pictures: &BTreeMap<&'static str, Pictur
     table(&mut html, &rows);
     if !a.parameters.is_empty() {
         html.push_str("<h2>Parameters</h2>\n");
-        let rows: Vec<_> = a.parameters.iter().map(|(n, v)| (escape(n), escape(v))).collect();
+        let rows: Vec<_> = a.parameters.iter().map(|(n, v)| (escape(n), escape(&plain(v)))).collect();
         table(&mut html, &rows);
     }
     html.push_str("<footer>The numbers behind the pictures are in the CSV and NPY files next to this page.</footer>\n");
@@ -183,5 +183,14 @@ fn errors(html: &mut String, a: &Analysis) {
     if !rows.is_empty() {
         html.push_str("<h2>Error bars</h2>\n<p>All are one standard error.</p>\n");
         table(html, &rows);
+    }
+}
+
+/// A value of JSON as it is typed.
+fn plain(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::String(text) => text.clone(),
+        serde_json::Value::Array(values) => values.iter().map(plain).collect::<Vec<_>>().join(","),
+        other => other.to_string(),
     }
 }

@@ -8,7 +8,7 @@ use crate::accumulate::{ComputedBy, Decoder, Encoder, LagCounts, Sums};
 use crate::compute::Session;
 use crate::error::{Error, Result};
 use crate::estimate::{Analysis, VectorCorrelation};
-use crate::plan::{Batch, Correction, DEFAULT_LAG_RINGS, LagGrid, LagPlan};
+use crate::plan::{Batch, Correction, DEFAULT_LAG_BINS, DEFAULT_LAG_RINGS, LagGrid, LagPlan, LagReach};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 use crate::statistics::group::{Ask, Effort, Group, Parts, Subject, digest};
@@ -45,7 +45,8 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
 /// The lags a request asks for. Corrections that are only for g(r) are left to it.
 fn lags(ask: &Ask<'_>) -> Result<LagPlan> {
     let Ask { request, domain, shape, .. } = *ask;
-    let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(64), request.lag_max)?;
+    let reach = request.lag_max.unwrap_or_else(|| LagReach::usual(domain, shape.mean_points));
+    let grid = LagGrid::new(domain, request.lag_bins.unwrap_or(DEFAULT_LAG_BINS), reach.limit())?;
     grid.check_cells(domain)?;
     let correction = match correction(request, domain) {
         Correction::Isotropic | Correction::Border if ask.wants(Statistic::Pcf) => Correction::Translation,
@@ -129,11 +130,6 @@ impl Group for Lags {
         let lag_rings = self.lag_rings.as_ref().zip(sums.lag_rings.as_ref()).map(|(plan, sums)| of(plan, sums).sectors);
         let sectors = lag_rings.unwrap_or_default();
         found.findings.insert(VectorCorrelation { sectors, ..of(&self.lags, &sums.lags) });
-    }
-
-    fn warnings(&self, _: &LagSums, subject: &Subject<'_>, _: &Parts, _: &Analysis) -> Vec<String> {
-        let default = subject.request.lag_max.is_none() && subject.request.lag_bins.is_none();
-        default.then(|| self.lags.coarse(subject.shape.mean_points)).flatten().into_iter().collect()
     }
 
     fn effort(&self, n: u64) -> Effort {

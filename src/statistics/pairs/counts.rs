@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, PairCounts, PairHistogram, Sums};
 use crate::compute::{Compute, Session};
+use crate::display::human;
 use crate::error::{Error, Result, number};
 use crate::estimate::{Analysis, KFunction, Normalization, PairCorrelation};
 use crate::plan::{Batch, BinScale, Correction, PairPlan, PairSettings, RadialBins};
@@ -139,6 +140,27 @@ pub(crate) fn identity(plan: &PairPlan) -> Value {
     })
 }
 
+/// From so many standard errors of independent points on, pairs closer than some r are too many for them.
+const CLUSTERED: f64 = 6.0;
+
+impl Pairs {
+    /// The r within which pairs are most surely more than independent points have, and how many times more.
+    fn clusters(&self, sums: &PairCounts) -> Option<(f64, f64)> {
+        let (mut found, mut expected, mut most) = (0.0, 0.0, None);
+        let norm = |bin: usize| sums.bins.norm(bin)[0].sum as f64 / 2f64.powi(sums.steps.norm_bits as i32);
+        for bin in 0..self.plan.bins.len() {
+            found += sums.sum(bin);
+            expected += self.plan.shell_measure(bin) / self.plan.domain.measure() * norm(bin);
+            // Ordered pairs come in twos.
+            let z = (found - expected) / (2.0 * expected.max(2.0)).sqrt();
+            if z > most.map_or(CLUSTERED, |(_, _, z)| z) {
+                most = Some((self.plan.bins.edges()[bin + 1], found / expected, z));
+            }
+        }
+        most.map(|(r, times, _)| (r, times))
+    }
+}
+
 impl Group for Pairs {
     type Sums = PairSums;
 
@@ -218,6 +240,14 @@ impl Group for Pairs {
             let warning = "errors for a single realization take the pairs of a bin as of equal weight: with very unequal weights of \
                            points they are too small";
             warnings.push(warning.to_string());
+        }
+        if let Some((r, times)) = self.clusters(sums).filter(|_| one) {
+            warnings.push(format!(
+                "points are clustered: {times:.2} times the pairs of independent points within {}. Errors of a single realization take \
+                 pairs as independent, which those of clusters are not: of g and K they are several times too small; give more \
+                 realizations, or an envelope",
+                human(r)
+            ));
         }
         if let Some(lags) = parts.get::<Lags>().filter(|lags| lags.lags.correction != self.plan.correction) {
             let (of_pairs, of_lags) = (self.plan.correction, lags.lags.correction);

@@ -37,7 +37,6 @@ pub(super) struct KernelOut {
     #[serde(flatten)]
     kernel: Smoothing,
     divisor: Divisor,
-    #[serde(rename = "road")]
     method: KernelMethod,
     /// On the difference of any g from the direct sum.
     bound: f64,

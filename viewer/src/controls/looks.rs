@@ -58,6 +58,18 @@ fn panels(ui: &mut egui::Ui, view: &mut View) {
 fn pictures(ui: &mut egui::Ui, view: &mut View) {
     ui.checkbox(&mut view.side_by_side, "side by side")
         .on_hover_text("Pictures and points of all sets, each on its own");
+    ui.checkbox(&mut view.paper, "as in papers").on_hover_text(
+        "P(m) grey and linear from 0 to 2, frequencies up to 4 per mean spacing, anisotropy above that of an isotropic spectrum",
+    );
+    if !view.paper {
+        tones(ui, view);
+    }
+    let map = |map: ColorMap| map.name().to_string();
+    choice(ui, ("colours of g", "They part at g = 1"), &mut view.vector_colors, &ColorMap::DIVERGING, map);
+}
+
+/// What shades and colours P has.
+fn tones(ui: &mut egui::Ui, view: &mut View) {
     let kind = |tone: ToneMap| std::mem::discriminant(&tone);
     let all = ToneMap::ALL.map(|t| if kind(t) == kind(view.tone_map) { view.tone_map } else { t });
     let definition = view.tone_map.definition();
@@ -79,5 +91,4 @@ fn pictures(ui: &mut egui::Ui, view: &mut View) {
     }
     let map = |map: ColorMap| map.name().to_string();
     choice(ui, ("colours of P", "Even in lightness"), &mut view.spectrum_colors, &ColorMap::SEQUENTIAL, map);
-    choice(ui, ("colours of g", "They part at g = 1"), &mut view.vector_colors, &ColorMap::DIVERGING, map);
 }

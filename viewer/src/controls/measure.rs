@@ -2,6 +2,7 @@
 
 use eframe::egui;
 use pairwave::Setting;
+use pairwave::plan::LagReach;
 use pairwave::request::{Group, Request};
 
 use super::{Controls, setting};
@@ -55,6 +56,13 @@ pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, reques
         header.show(ui, |ui| {
             for (one, title) in settings {
                 setting(ui, controls, set, request, *one, title);
+                if *one == Setting::LagMax {
+                    let mut whole = request.lag_max == Some(LagReach::Whole);
+                    let help = "Lags as far as they go: half the sides of a torus, the sides of a window";
+                    if ui.checkbox(&mut whole, "all lags").on_hover_text(help).changed() {
+                        request.lag_max = whole.then_some(LagReach::Whole);
+                    }
+                }
             }
         });
     }

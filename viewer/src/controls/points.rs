@@ -5,7 +5,7 @@ use pairwave::Setting;
 use pairwave::request::Request;
 use pairwave::samplers::{Accepts, MAX_POINTS, Parameter, Sampler, find, registry};
 
-use super::{Controls, choice, refusal, row, setting};
+use super::{Controls, choice, row, setting};
 use crate::set::{Set, fitting, of_sampler};
 use crate::style;
 
@@ -23,6 +23,15 @@ pub(super) const OF_FILES: [(Setting, &str); 10] = [
     (Setting::WeightColumn, "weights"),
 ];
 
+/// Settings of samplers, whose controls are drawn by hand.
+pub(super) const OF_SAMPLERS: [(Setting, &str); 5] = [
+    (Setting::Sampler, "sampler"),
+    (Setting::Points, "n"),
+    (Setting::Realizations, "K"),
+    (Setting::Seed, "seed"),
+    (Setting::Dim, "dimension"),
+];
+
 /// Draws the controls of the points of a set; `request` is what is asked of it from now on.
 pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, request: &mut Request) {
     ui.heading("Points");
@@ -37,7 +46,7 @@ pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, reques
         *request = of_sampler(request, name);
     }
     if request.input.sampler.is_some() {
-        sampler(ui, set, request);
+        sampler(ui, request);
     } else {
         files(ui, controls, set, request);
     }
@@ -63,7 +72,7 @@ fn number(
     })
 }
 
-fn sampler(ui: &mut egui::Ui, set: &Set, request: &mut Request) {
+fn sampler(ui: &mut egui::Ui, request: &mut Request) {
     let known = request.input.sampler.as_deref().and_then(|name| find(name).ok());
     let input = &mut request.input;
     let mut changed = false;
@@ -95,12 +104,6 @@ fn sampler(ui: &mut egui::Ui, set: &Set, request: &mut Request) {
     }
     if changed {
         *request = fitting(request.clone());
-    }
-    let blamed = set.snapshot.as_ref().and_then(|s| s.setting);
-    if blamed.is_some_and(|s| s == Setting::Sampler || s.row().is_some_and(|row| row.for_samplers))
-        && let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.as_deref())
-    {
-        refusal(ui, error);
     }
 }
 

@@ -23,6 +23,9 @@ impl Zoomed {
     }
 }
 
+/// The range upward that shows what is drawn between two places to the right.
+pub(super) type Fit<'a> = dyn Fn([f64; 2]) -> Option<[f64; 2]> + 'a;
+
 /// What is drawn into.
 pub(super) struct Chart<'a> {
     pub(super) panel: Panel,
@@ -37,6 +40,8 @@ pub(super) struct Chart<'a> {
     pub(super) picture: bool,
     /// What it shows, for those who cannot see it.
     pub(super) described: &'a str,
+    /// Of curves: what the wheel shows upward.
+    pub(super) fit: Option<&'a Fit<'a>>,
 }
 
 /// What came of it.
@@ -79,21 +84,26 @@ impl Chart<'_> {
     where
         Self: 'b,
     {
-        let Self { panel, index, x, y, .. } = self;
-        let size = ui.available_size();
+        let Self { panel, index, x, y, fit, square, .. } = self;
+        let mut size = ui.available_size();
         let id = ui.scope_id().with(("chart", panel.slug(), index));
-        // How large the inner part was, without axes.
-        let inner = ui.data(|d| d.get_temp::<egui::Vec2>(id)).unwrap_or(size - egui::vec2(30.0, 20.0));
-        let frame = if self.square { whole(self.frame, inner) } else { self.frame };
+        // What the axes took.
+        let axes = ui.data(|d| d.get_temp::<egui::Vec2>(id)).unwrap_or(egui::vec2(30.0, 20.0));
+        let mut frame = self.frame;
+        if square {
+            // No larger than what it shows.
+            size = fitting(frame, size - axes) + axes;
+            frame = whole(frame, size - axes);
+        }
         let roomy = is_roomy(size);
-        let count = |length: f32, each: f32| ((length / each) as u32).clamp(2, 8);
+        let count = |length: f32, each: f32| ((length / each) as u32).clamp(3, 8);
         let targets = [count(size.x, 110.0), count(size.y, 60.0)];
         let spacing = egui::Rangef::new(8.0, 12.0);
         let mut hints = [AxisHints::new_x(), AxisHints::new_y()];
         hints = [(0, x), (1, y)].map(|(k, axis)| {
             let hint = std::mem::replace(&mut hints[k], AxisHints::new_x());
             let hint = hint.formatter(tick_text(axis, targets[k])).label_spacing(spacing);
-            match (roomy, self.square) {
+            match (roomy, square) {
                 (true, _) => hint.label(axis.label()),
                 (false, false) => hint.label(egui::RichText::new(axis.short_label()).small()),
                 (false, true) => hint,
@@ -102,13 +112,15 @@ impl Chart<'_> {
         let [x_hints, y_hints] = hints;
         let faint = ui.visuals().weak_text_color().gamma_multiply(0.35);
         let mut plot = Plot::new((panel.slug(), index))
+            .width(size.x)
+            .height(size.y)
             .auto_bounds(false)
             .default_x_bounds(frame.x[0], frame.x[1])
             .default_y_bounds(frame.y[0], frame.y[1])
             .allow_double_click_reset(false)
             .allow_scroll(false)
             .allow_zoom(false)
-            .allow_axis_zoom_drag(!self.square)
+            .allow_axis_zoom_drag(!square)
             // Those side by side are looked at together.
             .link_axis(egui::Id::unique(panel.slug()), true)
             .show_x(false)
@@ -121,7 +133,7 @@ impl Chart<'_> {
             .y_grid_spacer(marks(y, targets[1]))
             .custom_x_axes(vec![x_hints])
             .custom_y_axes(vec![y_hints.min_thickness(28.0)]);
-        if self.square {
+        if square {
             plot = plot.data_aspect(1.0).allow_boxed_zoom(false);
         }
         if self.picture {
@@ -134,11 +146,27 @@ impl Chart<'_> {
                 plot.set_plot_bounds_y(frame.y[0]..=frame.y[1]);
             }
             let mut changed = false;
-            if plot.response().hovered() {
-                let (scroll, pinch) = plot.ctx().input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-                let factor = pinch * (scroll * 0.004).exp();
+            if plot.response().hovered()
+                && let Some(at) = plot.pointer_coordinate()
+            {
+                let input = |i: &egui::InputState| (i.smooth_scroll_delta(), i.zoom_delta(), i.modifiers.shift);
+                let (scroll, pinch, shift) = plot.ctx().input(input);
+                // With Shift the wheel turns sideways.
+                let factor = f64::from(pinch * ((scroll.x + scroll.y) * 0.004).exp());
+                let seen = plot.plot_bounds();
+                let seen = Frame { x: [seen.min()[0], seen.max()[0]], y: [seen.min()[1], seen.max()[1]] };
                 if factor != 1.0 {
-                    plot.zoom_bounds_around_hovered(egui::Vec2::splat(factor));
+                    let factors = match (square, shift) {
+                        (true, _) => [factor; 2],
+                        (false, false) => [factor, 1.0],
+                        (false, true) => [1.0, factor],
+                    };
+                    let mut wanted = seen.zoomed([at.x, at.y], factors);
+                    if !square && !shift {
+                        wanted.y = fit.and_then(|fit| fit(wanted.x)).unwrap_or(wanted.y);
+                    }
+                    plot.set_plot_bounds_x(wanted.x[0]..=wanted.x[1]);
+                    plot.set_plot_bounds_y(wanted.y[0]..=wanted.y[1]);
                     changed = true;
                 }
             }
@@ -146,10 +174,10 @@ impl Chart<'_> {
             changed
         });
         let response = shown.response;
-        ui.data_mut(|d| d.insert_temp(id, response.rect.size()));
+        ui.data_mut(|d| d.insert_temp(id, size - response.rect.size()));
         // By a drag of an axis or a box.
         let ends = [0, 1].map(|k| [shown.transform.bounds().min()[k], shown.transform.bounds().max()[k]]);
-        let moved = !self.square && !chosen && ends != [frame.x, frame.y];
+        let moved = !square && !chosen && ends != [frame.x, frame.y];
         if shown.inner || moved || response.drag_stopped() || response.dragged() {
             zoomed.0.insert(panel);
             // What was drawn was chosen for what was seen before.
@@ -162,6 +190,13 @@ impl Chart<'_> {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &described));
         Shown { response, transform: shown.transform }
     }
+}
+
+/// The size that has the shape of a frame, as large as there is room.
+fn fitting(frame: Frame, room: egui::Vec2) -> egui::Vec2 {
+    let shape = ((frame.y[1] - frame.y[0]) / (frame.x[1] - frame.x[0])) as f32;
+    let width = room.x.min(room.y / shape).max(1.0);
+    egui::vec2(width, shape * width)
 }
 
 /// The frame that shows all of one where a unit is as long upward as to the right.

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use eframe::egui;
 use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotPoints, PlotUi, Points, Text, VLine};
 use pairwave::analysis::Analysis;
-use pairwave::display::{Axis, Frame, Panel, Trace, bin_at, ring_at, thinned_band, thinned_line};
+use pairwave::display::{Axis, Frame, FrequencyUnit, Panel, Trace, bin_at, paper, ring_at, thinned_band, thinned_line};
 
 use super::chart::{Chart, Zoomed};
 use super::{Scene, said_instead};
@@ -81,15 +81,19 @@ impl Curves {
     /// Draws a panel of curves.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let drawn = self.prepare(panel, scene);
-        let last = drawn.last().and_then(|&index| scene.sets[index].analysis());
-        let Some((x, y)) = last.map(|analysis| axes(panel, analysis, scene.view)) else {
+        let selected = drawn.iter().find(|&&index| index == scene.selected).or(drawn.last());
+        let selected = selected.and_then(|&index| scene.sets[index].analysis());
+        let Some((x, y)) = selected.map(|analysis| axes(panel, analysis, scene.view)) else {
             let measured = scene.sets.iter().filter(|set| set.visible).find_map(Set::analysis);
             said_instead(ui, scene, measured.map_or("", |analysis| panel.without_curve(analysis)));
             return;
         };
-        let cut = legend(ui, panel, scene, x, y);
+        let cut = legend(ui, panel, scene, x);
         let frames = drawn.iter().filter_map(|&s| self.kept.get(&(panel, scene.sets[s].id))).map(|k| k.trace.frame);
-        let Some(wanted) = frames.reduce(Frame::union) else { return };
+        let Some(mut wanted) = frames.reduce(Frame::union) else { return };
+        if let Some(analysis) = selected.filter(|_| scene.view.paper && panel != Panel::Pcf) {
+            wanted = paper::frame(wanted, analysis, x);
+        }
         // While realizations come in curves stand still; in the end what is seen does not depend on how they came.
         let done = drawn.iter().all(|&s| scene.sets[s].snapshot.as_ref().is_some_and(|s| s.done));
         let frame = match self.frames.get(&panel) {
@@ -99,11 +103,26 @@ impl Curves {
         self.frames.insert(panel, ((x, y), frame));
         let names: Vec<String> = drawn.iter().map(|&s| scene.sets[s].described()).collect();
         let described = format!("{} of {}, along {}", panel.name(), names.join(", "), x.label());
-        let chart = Chart { panel, index: 0, x, y, frame, square: false, picture: false, described: &described };
+        let fit = |x: [f64; 2]| {
+            let kept = drawn.iter().filter_map(|&s| self.kept.get(&(panel, scene.sets[s].id)));
+            let ranges = kept.filter_map(|kept| kept.trace.fit(x)).map(|y| Frame { x, y });
+            ranges.reduce(Frame::union).map(|frame| frame.y)
+        };
+        let chart = Chart {
+            panel,
+            index: 0,
+            x,
+            y,
+            frame,
+            square: false,
+            picture: false,
+            described: &described,
+            fit: Some(&fit),
+        };
         self.plot(ui, scene, zoomed, &drawn, chart, cut);
     }
 
-    /// Brings up to date what is kept. The sets that have a curve, the selected one last.
+    /// Brings up to date what is kept. The sets that have a curve.
     fn prepare(&mut self, panel: Panel, scene: &Scene<'_>) -> Vec<usize> {
         self.kept.retain(|(_, id), _| scene.sets.iter().any(|set| set.id == *id));
         let mut drawn = Vec::new();
@@ -125,12 +144,11 @@ impl Curves {
                 drawn.push(index);
             }
         }
-        drawn.sort_by_key(|&index| index == scene.selected);
         drawn
     }
 
     fn plot(
-        &mut self,
+        &self,
         ui: &mut egui::Ui,
         scene: &mut Scene<'_>,
         zoomed: &mut Zoomed,
@@ -138,10 +156,13 @@ impl Curves {
         chart: Chart<'_>,
         cut: bool,
     ) {
-        let (panel, x, y, frame, dark) = (chart.panel, chart.x, chart.y, chart.frame, ui.visuals().dark_mode);
+        let (panel, x, frame, dark) = (chart.panel, chart.x, chart.frame, ui.visuals().dark_mode);
         let (ink, weak) = (ui.visuals().strong_text_color(), ui.visuals().weak_text_color());
         let roomy = super::chart::is_roomy(ui.available_size());
         let (kept, sets, view, hover) = (&self.kept, scene.sets, scene.view, &*scene.hover);
+        // The selected one over the others.
+        let mut drawn = drawn.to_vec();
+        drawn.sort_by_key(|&index| index == scene.selected);
         let chosen = zoomed.is(panel);
         let shown = chart.show(ui, zoomed, |plot| {
             let bounds = plot.plot_bounds();
@@ -161,12 +182,12 @@ impl Curves {
             draw(plot, &curves, view, &seen, [ink, weak], roomy);
             let Some(at) = hover.along(panel).and_then(|at| x.forward(at)) else { return };
             plot.vline(VLine::new("pointer", at).color(ink.gamma_multiply(0.5)).width(1.0).allow_hover(false));
-            for &index in drawn {
+            for &index in &drawn {
                 let set = &sets[index];
                 let here = set.analysis().and_then(|analysis| {
-                    let own = axes(panel, analysis, view).0;
-                    let (at, value) = sample(panel, analysis, own.backward(at)?)?;
-                    Some([own.forward(at)?, y.forward(value)?])
+                    let (x, y) = axes(panel, analysis, view);
+                    let (at, value) = sample(panel, analysis, x.backward(at)?)?;
+                    Some([x.forward(at)?, y.forward(value)?])
                 });
                 if let Some(here) = here {
                     let dot = Points::new("value", vec![here]).radius(3.5).color(colors::set(set.color, dark));
@@ -180,8 +201,8 @@ impl Curves {
         if cut && scene.hover.is_in(panel) {
             let dark = ui.visuals().dark_mode;
             shown.response.on_hover_ui_at_pointer(|ui| {
-                for (color, _, long) in said(panel, scene, x, y) {
-                    ui.colored_label(color.shade(ui, dark), long);
+                for (color, _, long) in said(panel, scene, x) {
+                    ui.colored_label(colors::set(color, dark), long);
                 }
             });
         }
@@ -212,17 +233,33 @@ fn draw<'a>(
             plot.hline(line.style(LineStyle::dotted_dense()).allow_hover(false));
         }
     }
-    for (kept, color) in curves.iter().filter(|_| view.bands) {
+    // Several over each other would be one grey: they are paler, and told apart by their edges.
+    let alone = curves.len() == 1;
+    for (index, (kept, color)) in curves.iter().enumerate().filter(|_| view.bands) {
+        let same = |(other, _): &(&KeptTraces, egui::Color32)| other.trace.band == kept.trace.band;
+        if curves[..index].iter().any(same) {
+            continue;
+        }
+        // That of isotropic spectra belongs to all of as many realizations.
+        let shared = curves[index + 1..].iter().any(same);
+        let color = if shared { weak } else { *color };
         for piece in &kept.trace.band {
             let [xs, low, high] = seen.band(piece);
-            let area = FilledArea::new("band", &xs, &low, &high).fill_color(color.gamma_multiply(0.25));
-            plot.add(area.allow_hover(false));
+            let fill = color.gamma_multiply(if alone || shared { 0.25 } else { 0.12 });
+            plot.add(FilledArea::new("band", &xs, &low, &high).fill_color(fill).allow_hover(false));
+            for ends in [low, high].iter().filter(|_| !(alone || shared)) {
+                let edge: PlotPoints<'_> = xs.iter().zip(ends).map(|(&x, &y)| [x, y]).collect();
+                let line = Line::new("band", edge).color(color.gamma_multiply(0.5)).width(1.0);
+                plot.line(line.allow_band(false).allow_hover(false));
+            }
         }
     }
     for (index, (kept, color)) in curves.iter().enumerate() {
         let width = if index + 1 == curves.len() { 1.8 } else { 1.3 };
         for piece in &kept.line {
-            plot.line(Line::new("estimate", seen.line(piece)).color(*color).width(width).allow_hover(false));
+            // Where points are close, it would draw a band of a pixel's columns, which looks dashed: they are thinned already.
+            let line = Line::new("estimate", seen.line(piece)).allow_band(false);
+            plot.line(line.color(*color).width(width).allow_hover(false));
         }
     }
     // Over the estimates, which they may run along.
@@ -236,9 +273,11 @@ fn draw<'a>(
 
 /// Along which axes an analysis is drawn.
 fn axes(panel: Panel, analysis: &Analysis, view: &View) -> (Axis, Axis) {
-    let frequency = || Axis::frequency(analysis, view.frequency_unit, view.nu_scale);
+    let unit = if view.paper { FrequencyUnit::SqrtN } else { view.frequency_unit };
+    let frequency = || Axis::frequency(analysis, unit, view.nu_scale);
     match panel {
         Panel::Pcf => (Axis::distance(analysis, view.length_unit, view.r_scale), Axis::g(view.g_scale)),
+        Panel::Anisotropy if view.paper => (frequency(), Axis::anisotropy_above(analysis)),
         Panel::Anisotropy => (frequency(), Axis::anisotropy()),
         _ => (frequency(), Axis::p(view.p_scale)),
     }
@@ -254,10 +293,10 @@ fn sample(panel: Panel, analysis: &Analysis, at: f64) -> Option<(f64, f64)> {
 }
 
 /// What a set says at a place, in few words and in many.
-fn readout(panel: Panel, analysis: &Analysis, axis: Axis, at: f64) -> Option<(String, String)> {
+fn readout(panel: Panel, analysis: &Analysis, [axis, y]: [Axis; 2], at: f64) -> Option<(String, String)> {
     match panel {
         Panel::Pcf => bin_at(analysis, at).map(|bin| (bin.brief(), bin.text(axis))),
-        Panel::Anisotropy => ring_at(analysis, at).map(|ring| (ring.anisotropy_brief(), ring.text(axis))),
+        Panel::Anisotropy => ring_at(analysis, at).map(|ring| (ring.anisotropy_brief(y), ring.text(axis))),
         _ => ring_at(analysis, at).map(|ring| (ring.brief(), ring.text(axis))),
     }
 }
@@ -278,39 +317,19 @@ pub(super) fn place(panel: Panel, scene: &Scene<'_>) -> Option<String> {
     })
 }
 
-/// In what colour a text is.
-#[derive(Clone, Copy)]
-enum Tint {
-    Set(usize),
-    Error,
-}
-
-impl Tint {
-    fn shade(self, ui: &egui::Ui, dark: bool) -> egui::Color32 {
-        match self {
-            Self::Set(color) => colors::set(color, dark),
-            Self::Error => ui.visuals().error_fg_color,
-        }
-    }
-}
-
-/// What every visible set says: its name, what it is at under the pointer, or why it has no curve; in few words and in many.
-fn said(panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> Vec<(Tint, String, String)> {
+/// What every visible set says, with its colour: its name, or what it is at under the pointer; in few words and in many.
+fn said(panel: Panel, scene: &Scene<'_>, x: Axis) -> Vec<(usize, String, String)> {
     let at = scene.hover.along(panel).and_then(|at| x.forward(at));
     let visible: Vec<&Set> = scene.sets.iter().filter(|set| set.visible).collect();
     let alone = visible.len() == 1;
     let of = |set: &&Set| {
-        let (name, tint) = (set.name(), Tint::Set(set.color));
-        if let Some(error) = set.snapshot.as_ref().and_then(|s| s.error.clone()) {
-            let text = format!("{name}: {error}");
-            return (Tint::Error, text.clone(), text);
-        }
+        let (name, tint) = (set.name(), set.color);
         let Some(analysis) = set.analysis() else {
             let text = scene.awaited(set).map_or_else(|| name.clone(), |awaited| format!("{name}: {awaited}"));
             return (tint, text.clone(), text);
         };
-        let axis = axes(panel, analysis, scene.view).0;
-        match at.and_then(|at| readout(panel, analysis, axis, axis.backward(at)?)) {
+        let (x, y) = axes(panel, analysis, scene.view);
+        match at.and_then(|at| readout(panel, analysis, [x, y], x.backward(at)?)) {
             Some((brief, long)) if alone => (tint, format!("{} = {brief}", y.symbol()), long),
             Some((brief, long)) => (tint, brief, format!("{name}: {long}")),
             None => (tint, name.clone(), format!("{name} ({})", set.request.command())),
@@ -320,10 +339,9 @@ fn said(panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> Vec<(Tint, String,
 }
 
 /// A line of it. Whether a reading had to be cut.
-fn legend(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, x: Axis, y: Axis) -> bool {
-    let dark = ui.visuals().dark_mode;
-    let texts = said(panel, scene, x, y);
-    super::line(ui, texts.into_iter().map(|(tint, brief, long)| (tint.shade(ui, dark), brief, long)).collect(), false)
+fn legend(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, x: Axis) -> bool {
+    let names = scene.sets.iter().filter(|set| set.visible).map(Set::name).collect();
+    super::line(ui, said(panel, scene, x), names)
 }
 
 #[cfg(test)]

@@ -7,16 +7,16 @@ use egui_plot::{HLine, Line, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::display::{
-    Axis, ColorMap, Frame, Panel, Pixels, ToneMap, overlays, spectrum_at, spectrum_pixels, vector_at, vector_pixels,
-    vector_reach, vector_ticks,
+    Axis, ColorMap, Frame, FrequencyUnit, Panel, Pixels, ToneMap, overlays, paper, spectrum_at, spectrum_pixels,
+    vector_at, vector_pixels, vector_reach, vector_ticks,
 };
 
 use super::chart::{Chart, Zoomed};
-use super::{Scene, cells, colored_line, planes, said_instead};
-use crate::colors;
+use super::{Scene, cells, line, planes, said_instead};
 use crate::engine::SetId;
 use crate::hover::{Hover, Place};
 use crate::set::Set;
+use crate::view::View;
 
 /// Pictures on the device that draws, kept until what they show changes.
 #[derive(Default)]
@@ -45,6 +45,8 @@ struct Shades {
 enum Looks {
     /// With the number of points at the upper end.
     Spectrum(ToneMap, ColorMap, f64),
+    /// As papers print it.
+    Paper,
     /// With the reach of the colours.
     Vector(ColorMap, f64, usize),
 }
@@ -53,8 +55,9 @@ impl Shades {
     fn pixels(&self, analysis: &Analysis) -> Option<Pixels> {
         match self.looks {
             Looks::Spectrum(tone_map, colors, white) => {
-                spectrum_pixels(analysis, tone_map, Some(white), colors, self.most)
+                spectrum_pixels(analysis, tone_map, Some(white), colors, None, self.most)
             }
+            Looks::Paper => paper::pixels(analysis, self.most),
             Looks::Vector(colors, reach, plane) => {
                 vector_pixels(analysis, Some(reach), colors, plane_of(analysis, plane), self.most)
             }
@@ -67,6 +70,10 @@ impl Shades {
             Looks::Spectrum(tone_map, colors, white) => {
                 let name = if matches!(tone_map, ToneMap::Decibel { .. }) { "P / dB" } else { "P" };
                 (tone_map.ticks(white), colors, name, format!("colours of P: {}", tone_map.definition()))
+            }
+            Looks::Paper => {
+                let text = format!("colours of P: {}", paper::TONES.definition());
+                (paper::TONES.ticks(1.0), paper::COLORS, "P", text)
             }
             Looks::Vector(colors, reach, _) => {
                 let text = "colours of g: they part at g = 1, as far as all but a few cells reach".to_string();
@@ -93,7 +100,9 @@ impl Images {
         if panel == Panel::Vector {
             planes(ui, scene);
         }
-        readouts(ui, panel, scene, &shown);
+        if !scene.view.side_by_side {
+            readout(ui, panel, scene, first);
+        }
         let Some(analysis) = scene.sets[first].analysis() else { return };
         let area = ui.available_rect_before_wrap();
         // The colour bar is where it leaves pictures the most room.
@@ -101,9 +110,17 @@ impl Images {
         let below = area.split_top_bottom_at_y(area.max.y - 36.0);
         let side = |pictures: egui::Rect| (pictures.width() - 30.0).min(pictures.height() - 20.0);
         let (pictures, bar) = if side(beside.0) >= side(below.0) { beside } else { below };
+        // Side by side they are looked at together.
+        let frames = shown.iter().filter_map(|&s| self.axes(panel, &scene.sets[s], scene.view)).map(|found| found.1);
+        let Some(frame) = frames.reduce(Frame::union) else { return };
         for (index, (&of, rect)) in shown.iter().zip(cells(pictures, shown.len(), 14.0)).enumerate() {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
-            ui.scope_builder(builder, |ui| self.picture(ui, panel, index, of, scene, zoomed));
+            ui.scope_builder(builder, |ui| {
+                if scene.view.side_by_side {
+                    readout(ui, panel, scene, of);
+                }
+                self.picture(ui, panel, (index, of), frame, scene, zoomed);
+            });
         }
         if let Some(kept) = self.kept.get(&(panel, scene.sets[first].id)) {
             color_bar(ui, bar, kept.of.bar(analysis));
@@ -125,6 +142,7 @@ impl Images {
             shown.iter().filter_map(|&s| scene.sets[s].analysis()).filter_map(value).reduce(f64::max).unwrap_or(1.0)
         };
         let looks = match panel {
+            Panel::Spectrum if scene.view.paper => Looks::Paper,
             Panel::Spectrum => {
                 let white = most_of(|analysis| Some(analysis.shape.mean_points));
                 Looks::Spectrum(scene.view.tone_map, scene.view.spectrum_colors, white)
@@ -161,25 +179,34 @@ impl Images {
         shown
     }
 
+    /// The axes of a picture, and what it shows.
+    fn axes(&self, panel: Panel, set: &Set, view: &View) -> Option<([Axis; 2], Frame)> {
+        let (analysis, kept) = (set.analysis()?, self.kept.get(&(panel, set.id))?);
+        let axes = match panel {
+            Panel::Spectrum => {
+                let unit = if view.paper { FrequencyUnit::SqrtN } else { view.frequency_unit };
+                kept.axes.map(|axis| Axis::wave(analysis, unit, axis))
+            }
+            _ => kept.axes.map(|axis| Axis::lag(analysis, view.length_unit, axis)),
+        };
+        // Both are in one unit.
+        let [x, y] = kept.extent.map(|ends| ends.map(|end| axes[0].in_unit(end)));
+        Some((axes, Frame { x, y }))
+    }
+
     fn picture(
         &self,
         ui: &mut egui::Ui,
         panel: Panel,
-        index: usize,
-        of: usize,
+        (index, of): (usize, usize),
+        frame: Frame,
         scene: &mut Scene<'_>,
         zoomed: &mut Zoomed,
     ) {
         let set = &scene.sets[of];
         let (Some(analysis), Some(kept)) = (set.analysis(), self.kept.get(&(panel, set.id))) else { return };
-        let [x_axis, y_axis] = match panel {
-            Panel::Spectrum => kept.axes.map(|axis| Axis::wave(analysis, scene.view.frequency_unit, axis)),
-            _ => kept.axes.map(|axis| Axis::lag(analysis, scene.view.length_unit, axis)),
-        };
-        // Both are in one unit.
+        let Some(([x_axis, y_axis], Frame { x, y })) = self.axes(panel, set, scene.view) else { return };
         let axis = x_axis;
-        let [x, y] = kept.extent.map(|ends| ends.map(|end| axis.in_unit(end)));
-        let frame = Frame { x, y };
         let described = format!(
             "{} of {}, a picture along {} and {}",
             panel.name(),
@@ -187,8 +214,17 @@ impl Images {
             x_axis.label(),
             y_axis.label()
         );
-        let chart =
-            Chart { panel, index, x: x_axis, y: y_axis, frame, square: true, picture: true, described: &described };
+        let chart = Chart {
+            panel,
+            index,
+            x: x_axis,
+            y: y_axis,
+            frame,
+            square: true,
+            picture: true,
+            described: &described,
+            fit: None,
+        };
         let ink = ui.visuals().text_color();
         let (texture, hover) = (kept.texture.id(), &*scene.hover);
         let shown = chart.show(ui, zoomed, |plot| {
@@ -197,15 +233,6 @@ impl Images {
             plot.image(image.allow_hover(false));
             mark(plot, panel, axis, hover, ink);
         });
-        if scene.view.side_by_side && scene.sets.len() > 1 {
-            let (painter, fill) = (shown.painter(ui), ui.visuals().extreme_bg_color);
-            let (font, color) =
-                (egui::TextStyle::Small.resolve(ui.style()), colors::set(set.color, ui.visuals().dark_mode));
-            let name = painter.layout_no_wrap(set.name(), font, color);
-            let place = egui::Rect::from_min_size(shown.response.rect.min, name.size() + egui::vec2(6.0, 2.0));
-            painter.rect_filled(place, 0.0, fill);
-            painter.galley(place.min + egui::vec2(3.0, 1.0), name, color);
-        }
         let pointer = shown.pointer().and_then(|at| Some([axis.backward(at.x)?, axis.backward(at.y)?]));
         let place = pointer.and_then(|at| match panel {
             Panel::Spectrum => spectrum_at(analysis, at).map(|mode| Place::Mode(DVec2::new(mode.nu[0], mode.nu[1]))),
@@ -236,23 +263,20 @@ fn mark(plot: &mut PlotUi<'_>, panel: Panel, axis: Axis, hover: &Hover, ink: egu
     }
 }
 
-/// A line with the names of the sets shown, or what they are at under the pointer.
-fn readouts(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, shown: &[usize]) {
-    let texts = shown.iter().filter_map(|&s| {
-        let set = &scene.sets[s];
-        let analysis = set.analysis()?;
-        let said = match (panel, scene.hover.place()) {
-            (Panel::Spectrum, Some(Place::Mode(nu))) => spectrum_at(analysis, nu.to_array()).map(|mode| mode.text()),
-            (Panel::Vector, Some(Place::Lag(lag))) => {
-                vector_at(analysis, lag.to_array(), plane_of(analysis, scene.view.plane)).map(|lag| lag.text())
-            }
-            _ => None,
-        };
-        let plane = if panel == Panel::Spectrum && analysis.domain.dim() > 2 { ", plane m_z = 0" } else { "" };
-        let text = said.unwrap_or_else(|| format!("{}{plane}", set.name()));
-        Some((set.color, text.clone(), text))
-    });
-    colored_line(ui, scene, texts.collect(), scene.view.side_by_side);
+/// A line with the name of a set, or what it is at under the pointer.
+fn readout(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, of: usize) {
+    let set = &scene.sets[of];
+    let Some(analysis) = set.analysis() else { return };
+    let said = match (panel, scene.hover.place()) {
+        (Panel::Spectrum, Some(Place::Mode(nu))) => spectrum_at(analysis, nu.to_array()).map(|mode| mode.text()),
+        (Panel::Vector, Some(Place::Lag(lag))) => {
+            vector_at(analysis, lag.to_array(), plane_of(analysis, scene.view.plane)).map(|lag| lag.text())
+        }
+        _ => None,
+    };
+    let plane = if panel == Panel::Spectrum && analysis.domain.dim() > 2 { ", plane m_z = 0" } else { "" };
+    let text = said.unwrap_or_else(|| format!("{}{plane}", set.name()));
+    line(ui, vec![(set.color, text.clone(), text)], Vec::new());
 }
 
 /// The colours with what they stand for.

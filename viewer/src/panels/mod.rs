@@ -39,8 +39,16 @@ impl Scene<'_> {
         Some(match (set.cancelled, self.paused) {
             (true, _) => "cancelled",
             (_, true) => "paused",
+            // Why is said where sets are listed, once.
+            _ if set.snapshot.as_ref().is_some_and(|s| s.error.is_some()) => "not measured",
             _ => "measuring…",
         })
+    }
+
+    /// Whether one of the sets could have something to draw in a panel, as far as that is known.
+    fn applies(&self, panel: Panel) -> bool {
+        let mut sets = self.sets.iter().filter(|set| set.visible).peekable();
+        sets.peek().is_none() || sets.any(|set| set.analysis().is_none_or(|analysis| panel.applies(analysis)))
     }
 }
 
@@ -58,10 +66,15 @@ impl Panels {
     pub(crate) fn show(&mut self, ui: &mut egui::Ui, scene: &mut Scene<'_>) {
         let shown: Vec<Panel> = match scene.view.maximized {
             Some(one) => vec![one],
-            None => Panel::ALL.into_iter().filter(|p| scene.view.panels.contains(p)).collect(),
+            // Those that nothing could be drawn in leave their room to the others.
+            None => Panel::ALL.into_iter().filter(|p| scene.view.panels.contains(p) && scene.applies(*p)).collect(),
         };
         if shown.is_empty() {
-            centered(ui, "No panel is shown: choose some under Panels.", ui.visuals().text_color());
+            let text = match scene.view.panels.as_slice() {
+                [] => "No panel is shown: choose some under Panels.",
+                _ => "None of the panels chosen suits these points: choose others under Panels.",
+            };
+            centered(ui, text, ui.visuals().text_color());
             return;
         }
         let area = ui.available_rect_before_wrap();
@@ -148,52 +161,45 @@ fn cells(area: egui::Rect, count: usize, gap: f32) -> Vec<egui::Rect> {
     (0..count).map(|k| egui::Rect::from_min_size(corner(k), size - egui::vec2(gap, 0.0))).collect()
 }
 
-/// Texts in the colours of their sets, one beside the other in one line, whatever their number; (colour, text, all of it). Then
-/// why other sets are not there. `spread` gives each the room of its picture.
-fn colored_line(ui: &mut egui::Ui, scene: &Scene<'_>, texts: Vec<(usize, String, String)>, spread: bool) {
-    let (dark, alarm) = (ui.visuals().dark_mode, ui.visuals().error_fg_color);
-    let texts = texts.into_iter().map(|(color, text, long)| (colors::set(color, dark), text, long));
-    let failed = scene.sets.iter().filter(|set| set.visible && set.analysis().is_none()).filter_map(|set| {
-        let text = format!("{}: {}", set.name(), set.snapshot.as_ref()?.error.as_ref()?);
-        Some((alarm, text.clone(), text))
-    });
-    line(ui, texts.chain(failed).collect(), spread);
-}
-
-/// Texts in one line, in places that do not depend on what they say. Whether one of them had to be cut.
-fn line(ui: &mut egui::Ui, texts: Vec<(egui::Color32, String, String)>, spread: bool) -> bool {
-    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-    let (line, _) = ui.allocate_exact_size(size, egui::Sense::hover());
-    let count = texts.len().max(1) as f32;
-    // The only one has all the room; several stand close together.
-    let width = if texts.len() > 1 && !spread { (size.x / count).min(170.0) } else { size.x / count };
+/// Texts of sets in their colours, (colour, text, all of it), in a line or, where their `names` would not fit, in several: places
+/// do not depend on what is said. Whether a text had to be cut.
+fn line(ui: &mut egui::Ui, texts: Vec<(usize, String, String)>, names: Vec<String>) -> bool {
+    let (dark, height) = (ui.visuals().dark_mode, ui.spacing().interact_size.y);
     let font = egui::TextStyle::Small.resolve(ui.style());
-    let mut cut = false;
+    let painter = ui.painter().clone();
+    let width_of = |text: &str| {
+        let galley = painter.layout_no_wrap(text.to_string(), font.clone(), egui::Color32::WHITE);
+        galley.size().x + 6.0
+    };
+    let all = ui.available_width();
+    let widest = names.iter().map(|name| width_of(name)).fold(1.0, f32::max);
+    let columns = ((all / widest) as usize).clamp(1, texts.len().max(1));
+    // The only one has all the room; several stand close together.
+    let width = if columns > 1 { (all / columns as f32).min(widest.max(170.0)) } else { all };
+    let rows = texts.len().div_ceil(columns).max(1);
+    let (area, _) = ui.allocate_exact_size(egui::vec2(all, height * rows as f32), egui::Sense::hover());
+    let cuts: Vec<bool> = texts.iter().map(|(_, text, _)| width_of(text) > width).collect();
     for (index, (color, text, long)) in texts.into_iter().enumerate() {
-        let corner = line.min + egui::vec2(index as f32 * width, 0.0);
-        let rect = egui::Rect::from_min_size(corner, egui::vec2(width - 6.0, size.y));
-        cut |= ui.painter().layout_no_wrap(text.clone(), font.clone(), color).size().x > rect.width();
+        let place = egui::vec2((index % columns) as f32 * width, (index / columns) as f32 * height);
+        let rect = egui::Rect::from_min_size(area.min + place, egui::vec2(width - 6.0, height));
         let layout = egui::Layout::left_to_right(egui::Align::Center);
-        let label = egui::Label::new(egui::RichText::new(text).small().color(color)).truncate();
+        let text = egui::RichText::new(text).small().color(colors::set(color, dark));
+        let label = egui::Label::new(text).truncate();
         ui.scope_builder(egui::UiBuilder::new().max_rect(rect).layout(layout), |ui| ui.add(label).on_hover_text(long));
     }
-    cut
+    cuts.contains(&true)
 }
 
 /// Why there is nothing to draw: what the sets that are visible say, or `otherwise`.
 fn said_instead(ui: &mut egui::Ui, scene: &Scene<'_>, otherwise: &str) {
     let mut sets = scene.sets.iter().filter(|set| set.visible).peekable();
     let nothing_visible = sets.peek().is_none();
-    let error = sets.clone().find_map(|set| set.snapshot.as_ref()?.error.clone());
-    let awaited = sets.find_map(|set| scene.awaited(set));
-    let weak = ui.visuals().weak_text_color();
-    let (text, color) = match (error, awaited) {
-        (Some(error), _) => (error, ui.visuals().error_fg_color),
-        _ if nothing_visible => ("all sets are hidden".into(), weak),
-        (_, Some(awaited)) => (awaited.into(), weak),
-        _ => (otherwise.into(), weak),
+    let text = match sets.find_map(|set| scene.awaited(set)) {
+        _ if nothing_visible => "all sets are hidden",
+        Some(awaited) => awaited,
+        None => otherwise,
     };
-    centered(ui, &text, color);
+    centered(ui, text, ui.visuals().weak_text_color());
 }
 
 /// A text in the middle of what room there is, its lines centred.

@@ -11,11 +11,10 @@ use pairwave::points::Boundary;
 use pairwave::request::PointsRequest;
 
 use super::chart::{Chart, Shown, Zoomed};
-use super::{Scene, cells, colored_line, planes, said_instead};
+use super::{Scene, cells, line, planes, said_instead};
 use crate::colors;
 use crate::engine::SetId;
 use crate::hover::Place;
-use crate::set::Set;
 use crate::view::View;
 
 /// More points than this are drawn in part: a screen has no room for them.
@@ -89,7 +88,9 @@ impl Cloud {
             return said_instead(ui, scene, "there are no points");
         }
         planes(ui, scene);
-        self.readouts(ui, scene, &drawn);
+        if !scene.view.side_by_side {
+            self.readouts(ui, scene, &drawn);
+        }
         let charts: Vec<Vec<usize>> = match scene.view.side_by_side {
             true => drawn.into_iter().map(|s| vec![s]).collect(),
             false => vec![drawn],
@@ -97,12 +98,17 @@ impl Cloud {
         let area = ui.available_rect_before_wrap();
         for (index, (sets, rect)) in charts.iter().zip(cells(area, charts.len(), 4.0)).enumerate() {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
-            ui.scope_builder(builder, |ui| self.chart(ui, index, sets, scene, zoomed));
+            ui.scope_builder(builder, |ui| {
+                if scene.view.side_by_side {
+                    self.readouts(ui, scene, sets);
+                }
+                self.chart(ui, index, sets, scene, zoomed);
+            });
         }
         ui.allocate_rect(area, egui::Sense::hover());
     }
 
-    /// Brings up to date what is kept. The sets that have points, the selected one last.
+    /// Brings up to date what is kept. The sets that have points.
     fn prepare(&mut self, scene: &Scene<'_>) -> Vec<usize> {
         self.kept.retain(|id, _| scene.sets.iter().any(|set| set.visible && set.id == *id));
         let mut drawn = Vec::new();
@@ -128,7 +134,6 @@ impl Cloud {
             }
             drawn.push(index);
         }
-        drawn.sort_by_key(|&index| index == scene.selected);
         drawn
     }
 
@@ -158,11 +163,15 @@ impl Cloud {
             square,
             picture: false,
             described: &described,
+            fit: None,
         };
         let shown = chart.show(ui, zoomed, |_| ());
         let (painter, dark) = (shown.painter(ui), ui.visuals().dark_mode);
         let mut nearest: Option<(f32, Place)> = None;
-        for &s in sets {
+        // The selected one over the others.
+        let mut over = sets.to_vec();
+        over.sort_by_key(|&s| s == scene.selected);
+        for s in over {
             let set = &scene.sets[s];
             let Some(kept) = self.kept.get(&set.id) else { continue };
             let of_set = Drawing { kept, axis, shown: &shown, painter: &painter, color: colors::set(set.color, dark) };
@@ -192,9 +201,7 @@ impl Cloud {
 
     /// A line with the names of the sets, or the point under the pointer.
     fn readouts(&self, ui: &mut egui::Ui, scene: &Scene<'_>, drawn: &[usize]) {
-        let mut sets: Vec<&Set> = drawn.iter().map(|&s| &scene.sets[s]).collect();
-        sets.sort_by_key(|set| set.id);
-        let texts = sets.into_iter().filter_map(|set| {
+        let texts = drawn.iter().map(|&s| &scene.sets[s]).filter_map(|set| {
             let (kept, analysis) = (self.kept.get(&set.id)?, set.analysis()?);
             let text = match scene.hover.place() {
                 Some(Place::Point(id, k)) if id == set.id => overlays::point_text(&analysis.first, k)?,
@@ -210,7 +217,9 @@ impl Cloud {
             let text = std::iter::once(text).chain(hidden.into_iter().flatten()).collect::<Vec<_>>().join("; ");
             Some((set.color, text.clone(), text))
         });
-        colored_line(ui, scene, texts.collect(), scene.view.side_by_side);
+        let texts: Vec<_> = texts.collect();
+        let names = drawn.iter().map(|&s| scene.sets[s].name() + ", 10000 points").collect();
+        line(ui, texts, names);
     }
 }
 

@@ -87,14 +87,18 @@ fn what_is_refused_says_so_in_its_place() {
     click(&mut window, "Distances");
     type_into(&mut window, "bins", "many");
     assert_eq!(command(&window), "pairwave analyze --sampler random -n 50 -k 4");
-    window.get_by_label_contains("--bins many: ");
+    window.get_by_label_contains("bins many: ");
     type_into(&mut window, "bins", "0");
     settle(&mut window);
-    // Under the set and under the field.
-    assert!(window.get_all_by_label_contains("--bins 0: ").count() >= 2);
+    // Once, by the name of its control.
+    assert_eq!(window.get_all_by_label_contains("bins 0: ").count(), 1);
+    // Where no controls are, in the line at the bottom.
+    click(&mut window, "Hide the controls (B)");
+    assert_eq!(window.get_all_by_label_contains("bins 0: ").count(), 1);
+    click(&mut window, "Show the controls (B)");
     type_into(&mut window, "bins", "12");
     settle(&mut window);
-    assert!(window.query_by_label_contains("--bins 0: ").is_none());
+    assert!(window.query_by_label_contains("bins 0: ").is_none());
     let shown = window.state().snapshots().next().unwrap().unwrap();
     assert_eq!(shown.analysis.as_ref().unwrap().pair_correlation().unwrap().g.len(), 12);
     type_into(&mut window, "bins", " ");
@@ -141,6 +145,22 @@ fn hidden_panels_are_not_computed() {
     settle(&mut window);
     let shown = window.state().snapshots().next().unwrap().unwrap();
     assert_eq!(shown.analysis.as_ref().unwrap().vector().unwrap().grid.bins, 16);
+}
+
+#[test]
+fn all_lags_are_a_choice() {
+    let mut window = window("--sampler random -n 500 -k 1");
+    let half = |window: &Window| {
+        let shown = window.state().snapshots().next().unwrap().unwrap().analysis.clone().unwrap();
+        shown.vector().unwrap().grid.half[0]
+    };
+    assert!(half(&window) < 0.25);
+    click(&mut window, "Lags");
+    window.get_by_role_and_label(Role::CheckBox, "all lags").click();
+    window.run_steps(3);
+    assert_eq!(command(&window), "pairwave analyze --sampler random -n 500 -k 1 --lag-max whole");
+    settle(&mut window);
+    assert_eq!(half(&window), 0.5);
 }
 
 #[test]
@@ -268,9 +288,9 @@ fn what_was_asked_for_is_not_replaced_by_what_would_be_right() {
     assert_eq!(command(&seed), format!("pairwave analyze {largest}"));
     assert_eq!(seed.get_by_role_and_label(Role::SpinButton, "seed").value().as_deref(), Some("18446744073709551615"));
     for (line, says) in [
-        ("--sampler random -n 0 -k 2", "-n 0: expected 1 to"),
-        ("--sampler random -n 99999999999999 -k 2", "-n 99999999999999: expected 1 to"),
-        ("--sampler random -n 16 -k 0", "-k 0"),
+        ("--sampler random -n 0 -k 2", "n 0: expected 1 to"),
+        ("--sampler random -n 99999999999999 -k 2", "n 99999999999999: expected 1 to"),
+        ("--sampler random -n 16 -k 0", "K 0"),
     ] {
         let window = window(line);
         assert_eq!(command(&window), request(line).command().replace(" --device cpu --threads 2", ""));

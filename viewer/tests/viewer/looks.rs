@@ -5,7 +5,7 @@
 use crate::common::{Window, settle, viewer};
 use eframe::egui;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
-use pairwave::display::Panel;
+use pairwave::display::{AxisScale, Panel};
 use pairwave_viewer::app::Viewer;
 use pairwave_viewer::view::{Theme, View};
 
@@ -82,6 +82,33 @@ fn windows() {
     window.hover_at(egui::pos2(560.0, 180.0));
     window.run_steps(4);
     look(&mut seen, &mut window, "window_pointer");
+
+    let Some(mut window) = self::window(&[JITTERED], SMALL, View { paper: true, controls: false, ..light() }) else {
+        return;
+    };
+    look(&mut seen, &mut window, "window_paper");
+
+    // Nothing that needs a plane, and the rest in its place.
+    let Some(mut window) = self::window(&["--sampler jittered --dim 1 -n 16 -k 2"], SMALL, light()) else { return };
+    look(&mut seen, &mut window, "window_line");
+
+    // The wheel zooms P along nu; Shift and wheel zoom upward.
+    let logarithmic = View { nu_scale: AxisScale::Log, p_scale: AxisScale::Log, ..only(Panel::Radial) };
+    let Some(mut window) = self::window(&[JITTERED], PANEL, logarithmic) else { return };
+    for (modifiers, name) in [(egui::Modifiers::NONE, "panel_wheel"), (egui::Modifiers::SHIFT, "panel_wheel_shift")] {
+        window.hover_at(egui::pos2(520.0, 220.0));
+        window.run_steps(2);
+        window.event(egui::Event::ModifiersChanged(modifiers));
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: egui::vec2(0.0, 5.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers,
+        });
+        window.run_steps(60);
+        look(&mut seen, &mut window, name);
+    }
 
     let Some(mut window) = self::window(&[JITTERED, RANDOM], SMALL, light()) else { return };
     look(&mut seen, &mut window, "window_two_sets_overlaid");

@@ -22,6 +22,7 @@ use pairwave_viewer::app::Viewer;
 use pairwave_viewer::files::{Answer, Choice, Files};
 use pairwave_viewer::help::SHORTCUTS;
 use pairwave_viewer::session::{self, Session};
+use pairwave_viewer::view::{Theme, View};
 use serde_json::{Value, json};
 
 /// What came to the files of a test, and what they answer.
@@ -205,9 +206,17 @@ fn what_there_is_none_of_is_disabled_and_says_why() {
         (Panel::Spectrum, &["Figure (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
         (Panel::Vector, &["Figure (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
     ];
+    // Those that nothing can be drawn in are left out, unless one is asked for.
+    assert!(window.query_by_label("Take away P(m)").is_none());
     for (panel, entries) in none {
+        let one = View { maximized: Some(panel), ..window.state().view().clone() };
+        window.state_mut().set_view(one);
+        settle(&mut window);
         assert_eq!(disabled(&mut window, panel), entries, "{panel:?}");
     }
+    let spectrum = View { maximized: Some(Panel::Spectrum), ..window.state().view().clone() };
+    window.state_mut().set_view(spectrum);
+    settle(&mut window);
     window.get_by_label("Take away P(m)").click();
     window.step();
     window.run_steps(2);
@@ -372,9 +381,11 @@ fn special() -> Value {
             "p-scale": "log",
             "bands": false,
             "closed-forms": false,
+            "paper": true,
             "tone-map": {"linear": {"max": 1.1000000000000003}},
             "spectrum-colors": "magma",
             "vector-colors": "purple-orange",
+            "controls": false,
             "plane": 2,
             "tiling": true,
             "indices": true,
@@ -383,6 +394,16 @@ fn special() -> Value {
             "theme": "dark"
         }
     })
+}
+
+/// Other points are opened in the light that the last ones were seen in, and in nothing else of theirs.
+#[test]
+fn the_theme_of_the_last_window_is_kept() {
+    let (mut viewer, _) = viewer(request("--sampler random -n 9"));
+    viewer.keep_theme(&special().to_string());
+    assert_eq!(*viewer.view(), View { theme: Theme::Dark, ..View::default() });
+    viewer.keep_theme("no session");
+    assert_eq!(viewer.view().theme, Theme::Dark);
 }
 
 #[test]
@@ -577,6 +598,7 @@ fn check(action: Keyed, index: usize, modifiers: Modifiers, key: Key) {
         }
         Keyed::Panel => expected["view"]["maximized"] = json!(Panel::ALL[index]),
         Keyed::AllPanels => expected["view"]["maximized"] = Value::Null,
+        Keyed::Controls => expected["view"]["controls"] = json!(true),
         // What it does to plots and pictures is shown where they are.
         Keyed::ResetZoom => {}
         Keyed::Theme => {

@@ -84,6 +84,20 @@ fn errors_shrink_while_realizations_come_in() {
     assert!(error(&end) < error(&early));
 }
 
+/// What is drawn by the processor must not keep it from measuring: the first and the last result come at once, others when it is
+/// time.
+#[test]
+fn results_come_no_more_often_than_they_can_be_drawn() {
+    let (worker, told) = worker();
+    worker.pace(NEVER);
+    worker.set(1, request("--sampler random -n 1000 -k 400 --stats pcf"));
+    wait(&worker, &told, 1, |s| s.done);
+    assert!(worker.latest(1).unwrap().generation <= 2);
+    // Other settings are seen at once.
+    worker.set(1, request("--sampler random -n 1000 -k 100000000 --stats pcf"));
+    wait(&worker, &told, 1, |s| !s.done && s.analysis.is_some());
+}
+
 #[test]
 fn a_set_is_given_up_in_the_middle() {
     let (worker, told) = worker();
