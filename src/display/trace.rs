@@ -9,7 +9,8 @@ use crate::estimate::Analysis;
 /// A place on a panel, as drawn.
 pub type Drawn = [f64; 2];
 
-/// What a panel of curves draws of one analysis. Where a value is undefined, as the logarithm of 0 is, lines and bands break.
+/// What a panel of curves draws of one analysis. Where a value is undefined lines and bands break; what has no logarithm, as 0, leaves
+/// the frame at the bottom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// The estimate.
@@ -65,6 +66,8 @@ impl Trace {
         let all = self.line.iter().chain(&self.closed_form).flatten();
         let seen: Vec<f64> = all.filter(|place| (low..=high).contains(&place[0])).map(|place| place[1]).collect();
         let (lowest, highest) = extent(&seen)?;
+        // Not after what leaves the frame at the bottom.
+        let lowest = lowest.max(self.frame.y[0]).min(highest);
         let room = 0.06 * (highest - lowest).max(1e-9 * highest.abs()).max(f64::MIN_POSITIVE);
         Some([lowest - room, highest + room])
     }
@@ -85,7 +88,8 @@ impl Panel {
         // A frame of no width would show nothing.
         let wide = |[low, high]: [f64; 2]| if low < high { [low, high] } else { [low - 0.5, low + 0.5] };
         let frame = Frame { x: wide(x_frame), y: wide(y_frame) };
-        let place = |at: f64, value: Option<f64>| Some([x.forward(at)?, y.forward(value?)?]);
+        let below = frame.y[0] - 0.1 * (frame.y[1] - frame.y[0]);
+        let place = |at: f64, value: Option<f64>| Some([x.forward(at)?, y.forward(value?).unwrap_or(below)]);
         let band = |s: &Sample| {
             let (low, high) = s.band?;
             let high = y.forward(high)?;

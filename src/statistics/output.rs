@@ -120,6 +120,11 @@ impl Output {
         Self { name, turn: Turn::Image, make: Make::Image(make), place: Some(Place { heading, caption }) }
     }
 
+    /// A file that has no place in the page.
+    pub(crate) const fn aside(self) -> Self {
+        Self { place: None, ..self }
+    }
+
     /// Written at another turn.
     pub(crate) const fn turn(self, turn: Turn) -> Self {
         Self { turn, ..self }

@@ -26,6 +26,7 @@ fn analyze_writes_what_it_promises() {
         "spectrum_axes.csv",
         "spectrum_axes.svg",
         "spectrum_from_pcf.csv",
+        "spectrum_grey.png",
         "spectrum_radial.csv",
         "spectrum_radial.svg",
         "spectrum_se.npy",

@@ -437,7 +437,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --stats pcf-vector --lag-max 1e-200",
             2,
-            "--lag-max 1e-200: its cells are narrower than positions are known; expected at least 6.938893903907228e-18",
+            "--lag-max 1e-200: its cells are narrower than positions are known; expected at least 7.047314121155779e-18",
         ),
         (
             "analyze ok.csv --stats pcf-vector --lag-max nan",

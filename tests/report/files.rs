@@ -421,6 +421,7 @@ fn files_for_what_there_is() {
         "spectrum_axes.csv",
         "spectrum_axes.svg",
         "spectrum_from_pcf.csv",
+        "spectrum_grey.png",
         "spectrum_radial.csv",
         "spectrum_radial.svg",
         "spectrum_se.npy",
@@ -440,6 +441,7 @@ fn files_for_what_there_is() {
     let not = [
         "spectrum_se.npy",
         "spectrum.png",
+        "spectrum_grey.png",
         "anisotropy.svg",
         "pcf_vector_se.npy",
         "pcf_vector.png",
@@ -912,6 +914,38 @@ fn the_picture_keeps_its_tone_map() {
     assert!(at(1, 0).iter().zip([33, 145, 140]).all(|(&a, b): (&u8, u8)| a.abs_diff(b) <= 4), "{:?}", at(1, 0));
     assert_eq!(at(1, 0), at(-1, 0));
     assert!(fs::read_to_string(root.path().join("report.html")).unwrap().contains(&format!("n = {n}")));
+}
+
+/// As papers print it: grey, linear from 0 to 2, up to 4 cycles per mean spacing, DC masked.
+#[test]
+fn the_grey_spectrum_is_that_of_papers() {
+    let root = tempfile::tempdir().unwrap();
+    let mut a = small();
+    a.shape.mean_points = 9.0;
+    let spectrum = a.findings.get_mut::<PowerSpectrum>().unwrap();
+    let grid = WaveGrid::new(&[20, 20]).unwrap();
+    spectrum.p = vec![0.0; grid.half_len()];
+    spectrum.p_se = spectrum.p.clone();
+    for (m, p) in [([0, 0, 0], 9.0), ([1, 0, 0], 1.0), ([0, -12, 0], 2.0), ([0, -13, 0], 2.0)] {
+        spectrum.p[grid.half_index(m)] = p;
+    }
+    spectrum.waves = grid.into();
+    a.grid_wanted = true;
+    a.findings.remove::<RadialSpectrum>();
+    a.findings.remove::<SpectrumDetails>();
+    report::write(root.path(), &a, false).unwrap();
+    let (size, said, pixels) = picture(&root.path().join("spectrum_grey.png"));
+    assert!(said.contains("m_x = -12..12") && said.contains("v = P / 2"), "{said}");
+    let zoom = size[0] / 25;
+    assert_eq!(size, [25 * zoom, 25 * zoom]);
+    let at = |m0: i32, m1: i32| {
+        let (x, y) = ((m0 + 12) as u32 * zoom + zoom / 2, (12 - m1) as u32 * zoom + zoom / 2);
+        pixels[(y * size[0] + x) as usize]
+    };
+    // L* = 50 is 119 of 255.
+    assert_eq!((at(0, 0), at(1, 0), at(0, -12), at(5, 5)), ([128; 3], [119; 3], [255; 3], [0; 3]));
+    let page = fs::read_to_string(root.path().join("report.html")).unwrap();
+    assert!(!page.contains("in grey"));
 }
 
 /// A peak of one mode on a large grid is several pixels wide, and does not hide what is beside it.

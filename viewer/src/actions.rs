@@ -84,6 +84,8 @@ pub enum Keyed {
 pub(crate) enum Take {
     CopyPicture,
     Shown,
+    /// As shown, with so many times the pixels.
+    Enlarged(u32),
     Svg,
     Png,
     Csv,

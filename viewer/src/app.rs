@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use eframe::egui;
+use eframe::egui_wgpu::RenderState;
 use pairwave::display::Panel;
 use pairwave::request::Request;
 
@@ -13,6 +14,8 @@ use crate::engine::{PACE, SetId, Snapshot};
 use crate::export::{self, Exports};
 use crate::files::{self, Answer, Choice, Files};
 use crate::hover::Hover;
+use crate::numbers;
+use crate::offscreen;
 use crate::panels::{Panels, Scene};
 use crate::session::{self, Session};
 use crate::set::{MOST_SETS, Set};
@@ -26,6 +29,8 @@ pub struct Viewer {
     state: State,
     /// Whether the status line has the time it took.
     pub timings: bool,
+    /// What draws the window, if it may draw pictures too.
+    pub drawn_by: Option<RenderState>,
     /// Whether the processor draws, which measures too: results are then shown less often.
     pub drawn_by_processor: bool,
     /// Time between two results of a set, as the worker was last told.
@@ -55,6 +60,7 @@ impl Viewer {
         let mut viewer = Self {
             state: State::default(),
             timings: true,
+            drawn_by: None,
             drawn_by_processor: false,
             pace: PACE,
             hover: Hover::default(),
@@ -236,6 +242,11 @@ impl Viewer {
             });
             self.carry_out(&ctx, left.inner);
         }
+        if self.state.view.numbers {
+            let right = egui::Panel::right("numbers").resizable(true).default_size(300.0).size_range(200.0..=700.0);
+            right.show(ui, |ui| numbers::show(ui, &self.state.sets));
+        }
+        self.exports.can_enlarge = self.drawn_by.is_some();
         let mut actions = Vec::new();
         let middle = egui::CentralPanel::default().show(ui, |ui| {
             let mut scene = Scene {
@@ -245,6 +256,7 @@ impl Viewer {
                 hover: &mut self.hover,
                 exports: &mut self.exports,
                 paused: self.state.paused,
+                plain: false,
                 actions: &mut actions,
             };
             self.panels.show(ui, &mut scene);
@@ -290,6 +302,7 @@ impl Viewer {
             Action::Choose(choice) => self.files.choose(choice),
             Action::Take(_, Take::Command) => self.copy_command(ctx),
             Action::Take(panel, take @ (Take::CopyPicture | Take::Shown)) => self.exports.ask(panel, take),
+            Action::Take(panel, Take::Enlarged(times)) => self.enlarge(ctx, panel, times),
             Action::Take(panel, take) => {
                 let Some(set) = state.selected_set() else { return };
                 let file = export::saved(panel, take, set, state.sets.len());
@@ -351,6 +364,38 @@ impl Viewer {
         }
     }
 
+    /// Writes a panel as it is shown, with `times` the pixels along both sides.
+    fn enlarge(&mut self, ctx: &egui::Context, panel: Panel, times: u32) {
+        let (Some(device), Some(rect)) = (&self.drawn_by, self.exports.place(panel)) else { return };
+        let own = egui::Context::default();
+        style::install(&own);
+        own.set_theme(ctx.theme());
+        let (mut panels, mut hover, mut exports) = (self.panels.picture(), Hover::default(), Exports::default());
+        let state = &self.state;
+        let draw = |ui: &mut egui::Ui| {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+            let mut scene = Scene {
+                sets: &state.sets,
+                selected: state.selected,
+                view: &state.view,
+                hover: &mut hover,
+                exports: &mut exports,
+                paused: state.paused,
+                plain: true,
+                actions: &mut Vec::new(),
+            };
+            panels.frame(ui, panel, &mut scene);
+        };
+        let scale = ctx.pixels_per_point();
+        let shown = export::pixels(rect, scale).size();
+        let size = [shown.x, shown.y].map(|side| side as u32 * times);
+        let image = offscreen::draw(device, &own, size, scale * times as f32, draw);
+        let Some(set) = state.selected_set() else { return };
+        let take = Take::Enlarged(times);
+        let file = image.and_then(|image| export::saved_picture(panel, take, &image, set, state.sets.len()));
+        self.save(file);
+    }
+
     fn take_picture(&mut self, ctx: &egui::Context, panel: Panel, take: Take, image: Option<egui::ColorImage>) {
         let Some(set) = self.state.selected_set() else { return };
         match image {
@@ -362,7 +407,7 @@ impl Viewer {
                 self.state.messages.note(format!("Copied the picture of {}", panel.name()));
             }
             Some(image) => {
-                let file = export::saved_picture(panel, &image, set, self.state.sets.len());
+                let file = export::saved_picture(panel, take, &image, set, self.state.sets.len());
                 self.save(file);
             }
         }

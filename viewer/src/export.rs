@@ -20,6 +20,8 @@ pub(crate) struct Exports {
     shot: Option<Shot>,
     /// The window, once it has been read back.
     arrived: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
+    /// Whether pictures may have more pixels than the screen has.
+    pub(crate) can_enlarge: bool,
 }
 
 /// A picture of the window that is to be taken, or is under way.
@@ -32,6 +34,11 @@ struct Shot {
 }
 
 impl Exports {
+    /// Where a panel is.
+    pub(crate) fn place(&self, panel: Panel) -> Option<egui::Rect> {
+        self.rects.iter().find(|(of, _)| *of == panel).map(|(_, rect)| *rect)
+    }
+
     /// Remembers where a panel is.
     pub(crate) fn at(&mut self, panel: Panel, rect: egui::Rect) {
         self.rects.retain(|(other, _)| *other != panel);
@@ -65,30 +72,33 @@ impl Exports {
     pub(crate) fn picture(&mut self, ctx: &egui::Context) -> Option<(Panel, Take, Option<egui::ColorImage>)> {
         let window = self.arrived.lock().unwrap_or_else(PoisonError::into_inner).take()?;
         let Shot { panel, take, .. } = self.shot.take()?;
-        let rect = self.rects.iter().find(|(of, _)| *of == panel).map(|(_, rect)| *rect);
+        let rect = self.place(panel);
         Some((panel, take, rect.and_then(|rect| crop(&window, rect, ctx.pixels_per_point()))))
     }
 }
 
-/// The menu of a panel: what there is of the selected set, one of `count`. What was chosen.
-pub(crate) fn menu(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) -> Option<Take> {
+/// The menu of a panel: what there is of the selected set, one of `count`; `can_enlarge`: whether a device draws it. What was chosen.
+pub(crate) fn menu(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize, can_enlarge: bool) -> Option<Take> {
     let button = style::icon(ui, "📤", &format!("Take away {}", panel.name()));
-    egui::Popup::menu(&button).width(232.0).show(|ui| entries(ui, panel, set, count))?.inner
+    egui::Popup::menu(&button).width(232.0).show(|ui| entries(ui, panel, set, count, can_enlarge))?.inner
 }
 
-fn entries(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize) -> Option<Take> {
+fn entries(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize, can_enlarge: bool) -> Option<Take> {
     let analysis = set.analysis();
     let offers = analysis.map(|analysis| panel::offers(panel, analysis));
     heading(ui, panel, set, count);
     let mut chosen = None;
-    for takes in
-        [&[Take::CopyPicture, Take::Shown][..], &[Take::Svg, Take::Png, Take::Csv, Take::Npy], &[Take::Command]]
-    {
+    for takes in [
+        &[Take::CopyPicture, Take::Shown, Take::Enlarged(2), Take::Enlarged(4)][..],
+        &[Take::Svg, Take::Png, Take::Csv, Take::Npy],
+        &[Take::Command],
+    ] {
         ui.separator();
         for &take in takes {
             let (text, about) = words(panel, take);
             let there = match (take, &offers) {
                 (Take::CopyPicture | Take::Shown | Take::Command, _) => true,
+                (Take::Enlarged(_), _) => can_enlarge,
                 (_, None) => false,
                 (take, Some(offers)) => offered(take, offers),
             };
@@ -127,6 +137,12 @@ fn words(panel: Panel, take: Take) -> (&'static str, &'static str) {
     match take {
         Take::CopyPicture => ("Copy picture", "This panel as it is on the screen, to the clipboard"),
         Take::Shown => ("Picture as shown (PNG)", "This panel as it is on the screen, in its pixels"),
+        Take::Enlarged(2) => {
+            ("The same at 2 times", "This panel as it is shown, 4 pixels for each: scales, units, zoom and all sets")
+        }
+        Take::Enlarged(_) => {
+            ("The same at 4 times", "This panel as it is shown, 16 pixels for each: scales, units, zoom and all sets")
+        }
         Take::Svg => ("Figure (SVG)", "As in the report of pairwave analyze: with axes, units and caption, for print"),
         Take::Png => {
             ("Picture (PNG)", "As in the report of pairwave analyze: a pixel or more per cell, in its colours")
@@ -144,12 +160,15 @@ fn offered(take: Take, offers: &Offers) -> bool {
         Take::Png => offers.png,
         Take::Csv => offers.csv,
         Take::Npy => offers.npy,
-        Take::CopyPicture | Take::Shown | Take::Command => true,
+        Take::CopyPicture | Take::Shown | Take::Enlarged(_) | Take::Command => true,
     }
 }
 
 /// Why an entry gives nothing.
 fn why_not(panel: Panel, take: Take, set: &Set) -> String {
+    if matches!(take, Take::Enlarged(_)) {
+        return "No device draws this window".into();
+    }
     if set.analysis().is_none() {
         let error = set.snapshot.as_ref().and_then(|s| s.error.as_ref());
         return error.map_or_else(|| "Nothing is measured yet".into(), |e| format!("Nothing could be measured: {e}"));
@@ -172,13 +191,18 @@ fn why_not(panel: Panel, take: Take, set: &Set) -> String {
     text.into()
 }
 
-/// A part of the window, to the nearest pixel; `None` where nothing of it is in the window.
+/// A part of the window in pixels.
+pub(crate) fn pixels(rect: egui::Rect, pixels_per_point: f32) -> egui::Rect {
+    let place = |at: egui::Pos2| (at.to_vec2() * pixels_per_point).round().max(egui::Vec2::ZERO).to_pos2();
+    egui::Rect::from_min_max(place(rect.min), place(rect.max))
+}
+
+/// A part of the window; `None` where nothing of it is in the window.
 fn crop(window: &egui::ColorImage, rect: egui::Rect, pixels_per_point: f32) -> Option<egui::ColorImage> {
-    let pixel = |at: f32, most: usize| ((at * pixels_per_point).round().max(0.0) as usize).min(most);
-    let [width, height] = window.size;
-    let (x, y) = (pixel(rect.min.x, width), pixel(rect.min.y, height));
-    let (w, h) = (pixel(rect.max.x, width) - x, pixel(rect.max.y, height) - y);
-    (w > 0 && h > 0).then(|| window.region_by_pixels([x, y], [w, h]))
+    let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(window.width() as f32, window.height() as f32));
+    let part = pixels(rect, pixels_per_point).intersect(whole);
+    let [x, y, w, h] = [part.min.x, part.min.y, part.width(), part.height()].map(|at| at as usize);
+    part.is_positive().then(|| window.region_by_pixels([x, y], [w, h]))
 }
 
 /// A picture as PNG; a window has no holes, so without an alpha channel.
@@ -202,7 +226,7 @@ fn file(panel: Panel, take: Take, analysis: &Analysis) -> pairwave::Result<Optio
         Take::Png => panel::png(panel, analysis),
         Take::Csv => panel::csv(panel, analysis),
         Take::Npy => panel::npy(panel, analysis),
-        Take::CopyPicture | Take::Shown | Take::Command => Ok(None),
+        Take::CopyPicture | Take::Shown | Take::Enlarged(_) | Take::Command => Ok(None),
     }
 }
 
@@ -215,6 +239,7 @@ fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String {
         Take::Csv => format!("{}.csv", panel.slug()),
         Take::Npy => format!("{}.npy", panel.slug()),
         Take::Png => format!("{}.png", panel.slug()),
+        Take::Enlarged(times) => format!("{}_shown_{times}x.png", panel.slug()),
         Take::CopyPicture | Take::Shown | Take::Command => format!("{}_shown.png", panel.slug()),
     };
     if count == 1 {
@@ -239,11 +264,12 @@ pub(crate) fn saved(panel: Panel, take: Take, set: &Set, count: usize) -> Result
 /// The same of its picture as shown.
 pub(crate) fn saved_picture(
     panel: Panel,
+    take: Take,
     image: &egui::ColorImage,
     set: &Set,
     count: usize,
 ) -> Result<(String, Vec<u8>), String> {
-    let name = name(panel, Take::Shown, set, count);
+    let name = name(panel, take, set, count);
     match encode(image) {
         Ok(bytes) => Ok((name, bytes)),
         Err(error) => Err(format!("{name}: {error}")),

@@ -21,6 +21,8 @@ pub mod help;
 mod hover;
 pub mod icon;
 mod messages;
+mod numbers;
+mod offscreen;
 mod panels;
 pub mod session;
 mod set;

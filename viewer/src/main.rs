@@ -70,6 +70,7 @@ fn main() -> ExitCode {
             let result = move || ctx.request_repaint_after(Duration::from_millis(1));
             let mut viewer = Viewer::new(request, Box::new(LocalFiles::new(notify)), result)?;
             let drawn_by = creation.wgpu_render_state.as_ref().map(|state| state.adapter.get_info().device_type);
+            viewer.drawn_by.clone_from(&creation.wgpu_render_state);
             viewer.drawn_by_processor = drawn_by == Some(eframe::wgpu::DeviceType::Cpu);
             let last = creation.storage.and_then(|storage| storage.get_string(session::LAST));
             match (&session, last) {

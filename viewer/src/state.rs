@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use pairwave::display::Panel;
-use pairwave::request::{PointsRequest, Request};
+use pairwave::request::{PointsRequest, Request, Statistic};
 
 use crate::engine::{SetId, Snapshot};
 use crate::messages::Messages;
@@ -164,6 +164,10 @@ impl State {
             if !stats.contains(statistic) {
                 stats.push(*statistic);
             }
+        }
+        // Distances of neighbours are in no panel, and among the numbers.
+        if self.view.numbers {
+            stats.push(Statistic::Neighbors);
         }
         set.request.only(&stats)
     }

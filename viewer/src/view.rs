@@ -42,6 +42,8 @@ pub struct View {
     pub vector_colors: ColorMap,
     /// Whether the controls are there.
     pub controls: bool,
+    /// Whether the scalars of all sets are there.
+    pub numbers: bool,
     /// Which pair of axes of a 3D set.
     pub plane: usize,
     /// Points: copies around the torus.
@@ -118,6 +120,7 @@ impl Default for View {
             spectrum_colors: ColorMap::SEQUENTIAL[0],
             vector_colors: ColorMap::DIVERGING[0],
             controls: true,
+            numbers: false,
             plane: 0,
             tiling: false,
             indices: false,

@@ -121,7 +121,7 @@ fn per_measure(dim: usize) -> &'static str {
 }
 
 /// What to see first.
-fn glance(a: &Analysis) -> Vec<(String, String)> {
+pub(super) fn glance(a: &Analysis) -> Vec<(String, String)> {
     let dim = a.domain.dim();
     let n = if a.min_points == a.shape.max_points {
         a.shape.max_points.to_string()

@@ -1,7 +1,7 @@
 //! `spectrum.png`: P on the frequency grid in colours, DC at the centre, the y axis up.
 
 use super::figures::DEFINITION;
-use crate::display::{DC, ToneMap, escape, human, middle, peak, sequential};
+use crate::display::{DC, ToneMap, escape, human, middle, paper, peak, sequential};
 use crate::estimate::Analysis;
 use crate::statistics::{Bar, Image};
 
@@ -100,6 +100,36 @@ pub(crate) fn image(analysis: &Analysis) -> Option<Image> {
         seen: caption,
         alt: "Power spectrum on the frequency grid",
         bar: Bar::Sequential(ToneMap::Reinhard.ticks(n)),
+    })
+}
+
+/// `spectrum_grey.png`: the same as papers print it.
+pub(super) fn grey(analysis: &Analysis) -> Option<Image> {
+    let picture = paper::pixels(analysis, usize::MAX)?;
+    let modes = [picture.width as u32, picture.height as u32];
+    let sides = analysis.domain.sides();
+    let zoom @ [dx, dy] = pixels(modes, [sides[0], sides[1]]);
+    let size = [0, 1].map(|axis| modes[axis] * zoom[axis]);
+    let at = |x: u32, y: u32| {
+        let pixel = 3 * ((y / dy) as usize * picture.width + (x / dx) as usize);
+        &picture.rgb[pixel..pixel + 3]
+    };
+    let rgb = (0..size[1]).flat_map(|y| (0..size[0]).flat_map(move |x| at(x, y))).copied().collect();
+    let half = modes.map(|modes| modes / 2);
+    let seen = format!(
+        "modes m_x = -{0}..{0} to the right, m_y = -{1}..{1} upward, up to {2} cycles per mean spacing, DC (the centre) masked",
+        half[0],
+        half[1],
+        paper::REACH
+    );
+    Some(Image {
+        rgb,
+        size,
+        title: "Power spectrum P(m)",
+        description: format!("{seen}. Tone map: {}, grey", paper::TONES.definition()),
+        seen,
+        alt: "Power spectrum on the frequency grid, in grey",
+        bar: Bar::Sequential(paper::TONES.ticks(1.0)),
     })
 }
 

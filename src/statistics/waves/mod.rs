@@ -44,6 +44,7 @@ impl Room for Here {
                 Output::figure("spectrum_axes.svg", figures::axes, HEADING, figures::axes_caption),
                 Output::figure("spectrum_angular.svg", figures::angular, HEADING, figures::angular_caption),
                 Output::image("spectrum.png", image::image, HEADING, image::caption),
+                Output::image("spectrum_grey.png", image::grey, HEADING, image::caption).aside(),
             ]
         }
     }

@@ -43,6 +43,9 @@ pub(super) fn show(ui: &mut egui::Ui, analysis: Option<&Analysis>, view: &mut Vi
 }
 
 fn panels(ui: &mut egui::Ui, view: &mut View) {
+    ui.checkbox(&mut view.numbers, "numbers").on_hover_text(
+        "The scalars of all sets of every set: distances of neighbours, hyperuniformity, figures of merit of spectra",
+    );
     for panel in Panel::ALL {
         let mut shown = view.panels.contains(&panel);
         if ui.checkbox(&mut shown, panel.name()).on_hover_text(panel.definition()).changed() {

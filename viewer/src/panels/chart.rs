@@ -1,6 +1,6 @@
 //! The plot that all panels draw into: axes with the ticks of the library, zoom, pan and reset.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
 use eframe::egui;
@@ -8,13 +8,13 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
 use glam::DVec2;
 use pairwave::display::{Axis, Frame, Panel};
 
-/// Panels of which a person has chosen what is seen.
-#[derive(Default)]
-pub(super) struct Zoomed(HashSet<Panel>);
+/// Panels of which a person has chosen what is seen, and that.
+#[derive(Clone, Default)]
+pub(super) struct Zoomed(HashMap<Panel, Frame>);
 
 impl Zoomed {
     pub(super) fn is(&self, panel: Panel) -> bool {
-        self.0.contains(&panel)
+        self.0.contains_key(&panel)
     }
 
     /// Shows all of a panel again.
@@ -95,6 +95,7 @@ impl Chart<'_> {
             size = fitting(frame, size - axes) + axes;
             frame = whole(frame, size - axes);
         }
+        let start = zoomed.0.get(&panel).copied().unwrap_or(frame);
         let roomy = is_roomy(size);
         let count = |length: f32, each: f32| ((length / each) as u32).clamp(3, 8);
         let targets = [count(size.x, 110.0), count(size.y, 60.0)];
@@ -115,8 +116,8 @@ impl Chart<'_> {
             .width(size.x)
             .height(size.y)
             .auto_bounds(false)
-            .default_x_bounds(frame.x[0], frame.x[1])
-            .default_y_bounds(frame.y[0], frame.y[1])
+            .default_x_bounds(start.x[0], start.x[1])
+            .default_y_bounds(start.y[0], start.y[1])
             .allow_double_click_reset(false)
             .allow_scroll(false)
             .allow_zoom(false)
@@ -179,9 +180,12 @@ impl Chart<'_> {
         let ends = [0, 1].map(|k| [shown.transform.bounds().min()[k], shown.transform.bounds().max()[k]]);
         let moved = !square && !chosen && ends != [frame.x, frame.y];
         if shown.inner || moved || response.drag_stopped() || response.dragged() {
-            zoomed.0.insert(panel);
+            zoomed.0.insert(panel, frame);
             // What was drawn was chosen for what was seen before.
             ui.ctx().request_repaint();
+        }
+        if let Some(seen) = zoomed.0.get_mut(&panel) {
+            *seen = Frame { x: ends[0], y: ends[1] };
         }
         if response.double_clicked() {
             zoomed.reset(panel);

@@ -24,6 +24,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) hover: &'a mut Hover,
     pub(crate) exports: &'a mut Exports,
     pub(crate) paused: bool,
+    /// Without buttons: a picture to take away.
+    pub(crate) plain: bool,
     /// What is asked for by their buttons.
     pub(crate) actions: &'a mut Vec<Action>,
 }
@@ -95,18 +97,26 @@ impl Panels {
         ui.allocate_rect(area, egui::Sense::hover());
     }
 
+    /// One panel as it is seen, without its buttons: in another context, for another device.
+    pub(crate) fn picture(&self) -> Self {
+        Self { zoomed: self.zoomed.clone(), ..Self::default() }
+    }
+
     /// Shows all of every panel again.
     pub(crate) fn reset(&mut self) {
         Panel::ALL.iter().for_each(|panel| self.zoomed.reset(*panel));
     }
 
     /// A panel with its title and its buttons.
-    fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
+    pub(crate) fn frame(&mut self, ui: &mut egui::Ui, panel: Panel, scene: &mut Scene<'_>) {
         let drawn = egui::Frame::group(ui.style()).inner_margin(4).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
             ui.horizontal(|ui| {
                 let title =
                     ui.add(egui::Label::new(egui::RichText::new(panel.name()).strong()).sense(egui::Sense::click()));
+                if scene.plain {
+                    return;
+                }
                 let full = scene.view.maximized == Some(panel);
                 let mut toggled = title.on_hover_text(panel.definition()).double_clicked();
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -116,7 +126,7 @@ impl Panels {
                     };
                     toggled |= style::icon(ui, sign, &text).clicked();
                     if let Some(set) = scene.sets.get(scene.selected) {
-                        let take = export::menu(ui, panel, set, scene.sets.len());
+                        let take = export::menu(ui, panel, set, scene.sets.len(), scene.exports.can_enlarge);
                         scene.actions.extend(take.map(|take| Action::Take(panel, take)));
                     }
                     if self.zoomed.is(panel) && style::icon(ui, "⟲", "Show all (double click, R)").clicked() {

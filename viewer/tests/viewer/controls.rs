@@ -148,6 +148,23 @@ fn hidden_panels_are_not_computed() {
 }
 
 #[test]
+fn numbers_of_all_sets_stand_side_by_side() {
+    let mut window = window("--sampler random -n 50 -k 4 --max-frequency 8");
+    let smallest = "Smallest nearest-neighbour distance";
+    assert!(window.query_by_label(smallest).is_none());
+    click(&mut window, "Panels");
+    window.get_by_role_and_label(Role::CheckBox, "numbers").click();
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label(smallest);
+    let analysis = window.state().snapshots().next().unwrap().unwrap().analysis.clone().unwrap();
+    for (name, value) in pairwave::report::panel::scalars(&analysis) {
+        assert!(!name.contains(['<', '&', '>']) && !value.contains(['<', '&']), "{name}: {value}");
+        assert!(window.query_all_by_label(&value).next().is_some(), "{name}: {value}");
+    }
+}
+
+#[test]
 fn all_lags_are_a_choice() {
     let mut window = window("--sampler random -n 500 -k 1");
     let half = |window: &Window| {

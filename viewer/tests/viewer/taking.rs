@@ -15,7 +15,7 @@ use eframe::egui;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use pairwave::display::Panel;
+use pairwave::display::{AxisScale, Panel};
 use pairwave::request::{Request, Statistic};
 use pairwave_viewer::actions::Keyed;
 use pairwave_viewer::app::Viewer;
@@ -357,6 +357,50 @@ fn a_picture_as_shown_is_the_part_of_the_screen() {
     }
 }
 
+/// With more pixels the same is seen: all sets, scales and zoom, but for the buttons.
+#[test]
+fn a_picture_is_enlarged() {
+    let (mut viewer, log) = viewer(request("--sampler jittered -n 64 -k 40 --bins 24 --max-frequency 4"));
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    viewer.drawn_by = Some(egui_kittest::wgpu::create_render_state(setup, Default::default()));
+    viewer.add(request("--sampler random -n 100 -k 40 --bins 24 --max-frequency 4"));
+    let log_axes = View { g_scale: AxisScale::Log, side_by_side: true, theme: Theme::Light, ..View::default() };
+    viewer.set_view(log_axes);
+    let mut window = open(viewer, 1.0);
+    settle(&mut window);
+    // A zoom is taken along.
+    window.hover_at(window.get_by_label_contains("g(r) of").rect().center());
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 5.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    window.run_steps(60);
+    window.remove_cursor();
+    window.run_steps(2);
+    for panel in [Panel::Pcf, Panel::Points, Panel::Spectrum] {
+        take(&mut window, panel, "Picture as shown (PNG)");
+        take(&mut window, panel, "The same at 2 times");
+        let saved = std::mem::take(&mut log.borrow_mut().saved);
+        let [shown, large] = ["", "_2x"].map(|end| decode(&saved[&format!("random_{}_shown{end}.png", panel.slug())]));
+        assert_eq!(large.size, shown.size.map(|side| 2 * side), "{panel:?}");
+        // The means of squares below the title with its buttons: lines are a pixel off here and there, as letters have other widths.
+        let mean = |of: &Picture, [x, y]: [usize; 2], side: usize, c: usize| {
+            let all = (y..y + side).flat_map(|y| (x..x + side).map(move |x| 3 * (y * of.size[0] + x) + c));
+            all.map(|at| f64::from(of.rgb[at])).sum::<f64>() / (side * side) as f64
+        };
+        let [columns, rows] = shown.size.map(|side| side / 8);
+        let squares = (5..rows).flat_map(|y| (0..columns).map(move |x| [8 * x, 8 * y]));
+        let each = squares.flat_map(|at| [0, 1, 2].map(|c| (at, c)));
+        let off: Vec<f64> =
+            each.map(|(at, c)| (mean(&shown, at, 8, c) - mean(&large, at.map(|k| 2 * k), 16, c)).abs()).collect();
+        let off = off.iter().sum::<f64>() / off.len() as f64;
+        assert!(off < 4.0, "{panel:?}: {off} off in the mean");
+    }
+}
+
 /// A session in which nothing is as it is at first.
 fn special() -> Value {
     json!({
@@ -386,6 +430,7 @@ fn special() -> Value {
             "spectrum-colors": "magma",
             "vector-colors": "purple-orange",
             "controls": false,
+            "numbers": true,
             "plane": 2,
             "tiling": true,
             "indices": true,
@@ -658,7 +703,7 @@ fn check(action: Keyed, index: usize, modifiers: Modifiers, key: Key) {
         Keyed::CopyCommand => {
             let arguments = before["sets"][1]["arguments"].as_array().unwrap();
             let own = Request::parse(arguments.iter().map(|a| a.as_str().unwrap().to_string())).unwrap();
-            let stats = vec![Statistic::Pcf, Statistic::PcfVector];
+            let stats = vec![Statistic::Pcf, Statistic::PcfVector, Statistic::Neighbors];
             assert_eq!(copied.as_deref(), Some(Request { stats, ..own }.command().as_str()));
         }
     }
