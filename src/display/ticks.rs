@@ -21,7 +21,8 @@ pub(crate) fn ticks(range: &Range<f64>, target: u32) -> Vec<(f64, String)> {
     let coarse = steps.iter().rposition(|&s| s >= raw * 0.7).unwrap_or(0);
     let step = steps[coarse..].iter().copied().find(|&s| enough(s)).unwrap_or(steps[coarse]);
     let (first, last) = ends(step);
-    (first..=last).map(|k| k as f64 * step).map(|t| (t, tick(t, step))).collect()
+    // A product may be a rounding beyond the end.
+    (first..=last).map(|k| (k as f64 * step).clamp(range.start, range.end)).map(|t| (t, tick(t, step))).collect()
 }
 
 /// Decades of a logarithmic range, and 2 and 5 of each where there are few; in less than a decade round numbers.
