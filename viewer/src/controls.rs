@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 12] = [
+    const WITHOUT: [Setting; 13] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -202,6 +202,7 @@ mod tests {
         Setting::Classes,
         Setting::LagRings,
         Setting::Envelope,
+        Setting::EnvelopeFrom,
         Setting::Sectors,
         Setting::CovarianceFrequency,
         // The list of files is edited as a whole.
