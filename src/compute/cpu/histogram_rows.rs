@@ -1,10 +1,7 @@
 //! Rows of pairs straight into histograms, whatever the bins. `unsafe` are calls across a `target_feature` boundary (made
 //! after asking the processor), and loads, stores and counter updates whose bounds are asserted or clamped just before.
 
-#![cfg_attr(
-    target_arch = "x86_64",
-    expect(unsafe_code, reason = "SIMD loads and stores, and calls into functions for a detected instruction set")
-)]
+#![expect(unsafe_code, reason = "SIMD loads and stores, and calls into functions for a detected instruction set")]
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;

@@ -1,6 +1,6 @@
 //! Bins of equal ratio. `unsafe` are vector instructions, which the caller has asked the processor for.
 
-#![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "SIMD"))]
+#![expect(unsafe_code, reason = "SIMD")]
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;

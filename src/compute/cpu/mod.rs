@@ -2,12 +2,16 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod fixed_point;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod histogram_rows;
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod linear_bins;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod log_bins;
 #[doc(hidden)]
 pub mod nufft;
@@ -19,6 +23,7 @@ mod polygon_weights;
 mod product;
 mod r2_rows;
 mod simd;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod table_bins;
 mod tapered_power;
 mod wave_covariance;

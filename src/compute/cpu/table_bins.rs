@@ -1,7 +1,7 @@
 //! Any bins, by one look-up: a table over the bits of the squared distance. `unsafe` are vector instructions, which the
 //! caller has asked the processor for, and look-ups at places that are cut to the ends of the table.
 
-#![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "SIMD"))]
+#![expect(unsafe_code, reason = "SIMD")]
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
