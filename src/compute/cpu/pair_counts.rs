@@ -207,6 +207,24 @@ impl<'a> Filter<'a> {
             BinFilter::Linear { .. } => Self::Near(((last * steps + 3.0).powi(2) * 1.000_01) as f32),
         }
     }
+
+    /// Rows of pairs into `sink`, by the function of r2 that all of them have.
+    fn by_r2(
+        &self,
+        level: SimdLevel,
+        job: &Rows<'_>,
+        bins: usize,
+        sink: impl FnMut(usize, usize, &[u32]),
+        undecided: &mut Vec<Undecided>,
+    ) {
+        let none = bins as u32;
+        match self {
+            Self::Linear(linear) => by_r2(level, job, |r2| linear.bin(r2), none, sink, undecided),
+            Self::Log(log) => by_r2(level, job, |r2| log.bin(r2), none, sink, undecided),
+            Self::Table(table) => by_r2(level, job, |r2| table.bin(r2), none, sink, undecided),
+            Self::Near(beyond) => by_r2(level, job, |r2| near_bin(*beyond, bins, r2), none, sink, undecided),
+        }
+    }
 }
 
 /// Partners brought together: which points they are, and their rounded coordinates, with padding behind.
@@ -348,14 +366,7 @@ impl Tally {
                     }
                 }
             };
-            match filter {
-                Filter::Linear(linear) => by_r2(level, &job, |r2| linear.bin(r2), bins as u32, sink, undecided),
-                Filter::Log(log) => by_r2(level, &job, |r2| log.bin(r2), bins as u32, sink, undecided),
-                Filter::Table(table) => by_r2(level, &job, |r2| table.bin(r2), bins as u32, sink, undecided),
-                Filter::Near(beyond) => {
-                    by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
-                }
-            }
+            filter.by_r2(level, &job, bins, sink, undecided);
             for pair in undecided.drain(..) {
                 let (i, j) = (pair.i as usize, columns.points[pair.column as usize] as usize);
                 if let Some(bin) = settle(plan, set, i, j, pair.place) {
@@ -373,14 +384,7 @@ impl Tally {
         };
         if !counted {
             let sink = |_, _, slots: &[u32]| scatter(short, *stride, slots);
-            match filter {
-                Filter::Linear(linear) => by_r2(level, &job, |r2| linear.bin(r2), bins as u32, sink, undecided),
-                Filter::Log(log) => by_r2(level, &job, |r2| log.bin(r2), bins as u32, sink, undecided),
-                Filter::Table(table) => by_r2(level, &job, |r2| table.bin(r2), bins as u32, sink, undecided),
-                Filter::Near(beyond) => {
-                    by_r2(level, &job, |r2| near_bin(*beyond, bins, r2), bins as u32, sink, undecided)
-                }
-            }
+            filter.by_r2(level, &job, bins, sink, undecided);
         }
         for pair in undecided.drain(..) {
             let j = columns.points[pair.column as usize] as usize;
