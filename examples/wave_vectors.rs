@@ -4,12 +4,12 @@ use pairwave::compute::{Compute, cpu::Cpu};
 use pairwave::control::Control;
 use pairwave::estimate::PowerSpectrum;
 use pairwave::plan::{Accuracy, WaveList, WavePlan};
-use pairwave::samplers::{ParameterValues, ensemble, find};
+use pairwave::samplers::Process;
 use pairwave::{Domain, Result};
 
 fn main() -> Result<()> {
-    let (sampler, control) = (find("jittered")?, Control::default());
-    let points = ensemble(sampler, 1024, 2, 1, 0..50, &ParameterValues::defaults(sampler)?, &control)?;
+    let control = Control::default();
+    let points = Process::new("jittered", 1024, 50, 2, 1, &[])?.ensemble(0..50, &control)?;
     let vectors = vec![[1.0, 0.0, 0.0], [32.0, 0.0, 0.0], [32.0, 32.0, 0.0], [1_000_000.0, 1.0, 0.0]];
     let list = WaveList { dim: 2, vectors, mirrored: false };
     let plan = WavePlan::new(&Domain::unit_torus(2), list, Accuracy::High, points.shape())?;

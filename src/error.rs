@@ -7,6 +7,15 @@ use crate::setting::{Setting, renamed};
 /// The result type of the library.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+/// `1 point`, `2 points`.
+pub(crate) fn plural(n: u64, noun: &str) -> String {
+    match (n, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "axis") => format!("{n} axes"),
+        _ => format!("{n} {noun}s"),
+    }
+}
+
 /// A number as a person would type it: plain, or with an exponent where plain digits would fill the line.
 pub(crate) fn number(x: f64) -> String {
     if x == 0.0 || !x.is_finite() || (1e-6..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }

@@ -44,11 +44,11 @@
 //! use pairwave::estimate::{Normalization, PairCorrelation};
 //! use pairwave::plan::{Correction, PairPlan, RadialBins};
 //! use pairwave::points::Domain;
-//! use pairwave::samplers::{ParameterValues, ensemble, find};
+//! use pairwave::samplers::Process;
 //!
 //! # fn main() -> pairwave::Result<()> {
-//! let (jittered, control) = (find("jittered")?, Control::default());
-//! let points = ensemble(jittered, 1024, 2, 1, 0..10, &ParameterValues::defaults(jittered)?, &control)?;
+//! let control = Control::default();
+//! let points = Process::new("jittered", 1024, 10, 2, 1, &[])?.ensemble(0..10, &control)?;
 //! let bins = RadialBins::linear(0.1, 20)?;
 //! let plan = PairPlan::new(&Domain::unit_torus(2), bins, Correction::None, points.shape())?;
 //! let cpu = Cpu::new(None)?;

@@ -11,7 +11,7 @@ use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
 use crate::estimate::{Analysis, Curve, Envelope, Envelopes};
 use crate::points::{Domain, Ensemble, EnsembleShape, RawPoints};
-use crate::samplers::{self, ParameterValues, Realization};
+use crate::samplers::Process;
 use crate::source::Points;
 use crate::statistics::ROOMS;
 
@@ -89,15 +89,15 @@ fn data_digest(observed: &Measurement) -> u64 {
 
 /// Realizations `first..` of complete spatial randomness, of the given sizes.
 fn csr(domain: &Domain, seed: u64, first: u64, sizes: &[u64]) -> Result<Ensemble> {
-    let sampler = samplers::find("random")?;
-    let values = ParameterValues::defaults(sampler)?;
     let dim = domain.dim();
     let one = |(index, &n): (u64, &u64)| {
         // Of a polygon those of the box that are inside, the first n of as many as it takes.
         let mut drawn = n;
         let coordinates = loop {
-            let realization = Realization { n: drawn, dim, seed, index };
-            let mut coordinates = if drawn == 0 { Vec::new() } else { sampler.generate(&realization, &values)? };
+            let mut coordinates = match drawn {
+                0 => Vec::new(),
+                _ => Process::new("random", drawn, 1, dim, seed, &[])?.coordinates(index, &Control::default())?,
+            };
             for point in coordinates.chunks_exact_mut(dim) {
                 for ((x, origin), side) in point.iter_mut().zip(domain.origin()).zip(domain.sides()) {
                     *x = origin + *x * side;

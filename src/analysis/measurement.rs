@@ -12,7 +12,7 @@ use super::status::{Status, TrackStatus};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::compute::{Device, Session};
 use crate::control::{Clock, Control, Instant, Progress};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plural};
 use crate::estimate::Analysis;
 use crate::plan::{EnsembleShape, LEAF};
 use crate::points::Ensemble;
@@ -417,14 +417,16 @@ impl Measurement {
         found.conventions = request.conventions();
         found.accuracy = request.accuracy;
         if let Some(process) = subject.closed_forms() {
-            found.closed_form.name = process.sampler.name().to_string();
+            found.closed_form.name = process.name.clone();
         }
         for (part, sums) in &sums {
             part.estimate(sums.as_ref(), &subject, &mut found);
         }
         if self.duplicates > 0 {
             let duplicates = self.duplicates;
-            found.warnings.push(format!("{duplicates} points coincide with another point of their realization"));
+            let coincide = if duplicates == 1 { "coincides" } else { "coincide" };
+            let points = plural(duplicates, "point");
+            found.warnings.push(format!("{points} {coincide} with another point of their realization"));
         }
         for last in [false, true] {
             for (part, sums) in sums.iter().filter(|(part, _)| part.last_words() == last) {

@@ -47,7 +47,7 @@ impl Analyze {
             check_threads(threads)?;
         }
         let control = stop_on_interrupt()?;
-        let source = Arc::new(Points::open(&self.request.input)?);
+        let source = Arc::new(Points::open_with(&self.request.input, &control)?);
         if !self.quiet && !self.explain {
             print(&format!("{}\n", source.first_line()))?;
         }

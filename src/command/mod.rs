@@ -18,8 +18,8 @@ pub(crate) enum Command {
     Analyze(Box<analyze::Analyze>),
     /// Write realizations of a sampler to a file
     Sample(sample::Sample),
-    /// List the samplers with their parameters
-    Samplers,
+    /// List the samplers, or explain one
+    Samplers(samplers::Samplers),
     /// List the compute devices and what the self-check finds
     Devices,
 }
@@ -29,7 +29,7 @@ impl Command {
         match self {
             Self::Analyze(analyze) => analyze.run(),
             Self::Sample(sample) => sample.run(),
-            Self::Samplers => samplers::run(),
+            Self::Samplers(samplers) => samplers.run(),
             Self::Devices => devices::run(),
         }
     }

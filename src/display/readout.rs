@@ -3,6 +3,7 @@
 use super::lag_slices::{lag_planes, lag_slice_cells};
 use super::units::Axis;
 use super::{human, with_error};
+use crate::error::plural;
 use crate::estimate::Analysis;
 
 /// g in a bin.
@@ -176,7 +177,7 @@ impl RingAt {
             format!(", anisotropy {} dB (isotropic ± {})", human(db), human(self.anisotropy_db_se.unwrap_or(f64::NAN)))
         });
         let p = with_error(self.p, Some(self.se));
-        format!("{}, P = {p}{} ({} modes){db}", axis.text(self.nu), closed(self.theory), self.modes)
+        format!("{}, P = {p}{} ({}){db}", axis.text(self.nu), closed(self.theory), plural(self.modes, "mode"))
     }
 
     /// P and its error alone, for little room.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::fixed_point::{difference, scale_to_period, steps};
 use super::{Domain, EnsembleShape, RawPoints};
-use crate::error::{Error, Result, number};
+use crate::error::{Error, Result, number, plural};
 
 /// Realizations of one point process in one domain, as fixed-point fractions, checked once and never changed.
 ///
@@ -390,9 +390,9 @@ fn check_polygon(set: &RawPoints, domain: &Domain) -> Result<()> {
         n => format!("{n} points are outside the polygon, the first at"),
     };
     let reason = format!(
-        "of {} points, {are} ({x}, {y}); expected points inside or on its sides, or the outline in which they were observed \
+        "of {}, {are} ({x}, {y}); expected points inside or on its sides, or the outline in which they were observed \
          (`window_polygon`)",
-        points.len()
+        plural(points.len() as u64, "point")
     );
     Err(Error::input(set.place(first), reason))
 }

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::{Sampler, nearest};
+use super::entry::{Entry, SHIFT};
+use super::nearest_names;
 use crate::error::{Error, Result};
 use crate::setting::Setting;
 
@@ -17,6 +18,19 @@ pub struct Parameter {
     pub accepts: Accepts,
     /// What it does, with units.
     pub help: &'static str,
+    /// Whether the random numbers depend on it.
+    pub identity: bool,
+}
+
+impl Parameter {
+    pub(super) const fn new(name: &'static str, default: &'static str, accepts: Accepts, help: &'static str) -> Self {
+        Self { name, default, accepts, help, identity: true }
+    }
+
+    /// Sets that differ in it alone share their random numbers.
+    pub(super) const fn no_identity(self) -> Self {
+        Self { identity: false, ..self }
+    }
 }
 
 /// The values a parameter accepts.
@@ -27,8 +41,12 @@ pub enum Accepts {
     Above(f64, f64),
     /// A number between the two, both included.
     Between(f64, f64),
+    /// A whole number between the two, both included.
+    Whole(u64, u64),
     /// One of these words.
     OneOf(&'static [&'static str]),
+    /// This word, or a whole number between the two, both included.
+    WordOrWhole(&'static str, u64, u64),
 }
 
 impl fmt::Display for Accepts {
@@ -36,7 +54,10 @@ impl fmt::Display for Accepts {
         match self {
             Self::Above(low, high) => write!(f, "a number above {low} and at most {high}"),
             Self::Between(low, high) => write!(f, "a number from {low} to {high}"),
+            Self::Whole(low, high) => write!(f, "a whole number from {low} to {high}"),
+            Self::OneOf([all @ .., last]) if all.len() > 1 => write!(f, "{} or {last}", all.join(", ")),
             Self::OneOf(words) => write!(f, "{}", words.join(" or ")),
+            Self::WordOrWhole(word, low, high) => write!(f, "{word} or a whole number from {low} to {high}"),
         }
     }
 }
@@ -44,10 +65,14 @@ impl fmt::Display for Accepts {
 impl Accepts {
     fn parse(&self, text: &str) -> Option<Value> {
         let number = || text.parse::<f64>().ok();
+        let whole = |low, high| text.parse::<u64>().ok().filter(|&x| low <= x && x <= high).map(Value::Whole);
         match *self {
             Self::Above(low, high) => number().filter(|&x| low < x && x <= high).map(Value::Number),
             Self::Between(low, high) => number().filter(|&x| low <= x && x <= high).map(Value::Number),
+            Self::Whole(low, high) => whole(low, high),
             Self::OneOf(words) => words.iter().find(|&&w| w == text).map(|&w| Value::Word(w)),
+            Self::WordOrWhole(word, ..) if word == text => Some(Value::Word(word)),
+            Self::WordOrWhole(_, low, high) => whole(low, high),
         }
     }
 }
@@ -55,6 +80,7 @@ impl Accepts {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Value {
     Number(f64),
+    Whole(u64),
     Word(&'static str),
 }
 
@@ -62,52 +88,46 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(x) => write!(f, "{x}"),
+            Self::Whole(x) => write!(f, "{x}"),
             Self::Word(w) => f.write_str(w),
         }
     }
 }
 
-/// A value for every parameter of one process.
-#[derive(Debug, Clone, PartialEq)]
+/// A value for every parameter of one process, `shift` included.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ParameterValues {
     /// In the order of declaration.
-    values: Vec<(&'static str, Value)>,
+    values: Vec<(&'static Parameter, Value)>,
 }
 
 impl ParameterValues {
-    /// The defaults of a process.
-    ///
-    /// # Errors
-    /// None for a sampler whose defaults can be parsed.
-    pub fn defaults(sampler: &dyn Sampler) -> Result<Self> {
-        Self::parse(sampler, &[] as &[&str])
-    }
-
     /// The values in `given` (`key=value` each), defaults for the rest.
     ///
     /// # Errors
     /// A parameter that the sampler does not have, has twice, or that cannot have this value.
-    pub fn parse(sampler: &dyn Sampler, given: &[impl AsRef<str>]) -> Result<Self> {
-        let mut texts: Vec<Option<&str>> = vec![None; sampler.parameters().len()];
+    pub fn parse(entry: &Entry, given: &[impl AsRef<str>]) -> Result<Self> {
+        let parameters: Vec<_> = entry.all_parameters().collect();
+        let mut texts: Vec<Option<&str>> = vec![None; parameters.len()];
         for pair in given.iter().map(AsRef::as_ref) {
             let Some((key, value)) = pair.split_once('=') else {
                 return Err(Error::setting(Setting::Params, pair, "expected key=value"));
             };
             let (key, value) = (key.trim(), value.trim());
-            let Some(slot) = sampler.parameters().iter().position(|p| p.name == key) else {
-                return Err(Error::setting(Setting::Params, pair, unknown(sampler, key)));
+            let Some(slot) = parameters.iter().position(|p| p.name == key) else {
+                return Err(Error::setting(Setting::Params, pair, unknown(entry, key)));
             };
             if texts[slot].replace(value).is_some() {
                 return Err(Error::setting(Setting::Params, pair, format!("{key} is given twice")));
             }
         }
-        let values = sampler.parameters().iter().zip(texts).map(|(p, text)| {
+        let values = parameters.into_iter().zip(texts).map(|(p, text)| {
             let text = text.unwrap_or(p.default);
             let value = p.accepts.parse(text).ok_or_else(|| {
-                let reason = format!("{} of {} is {} (default {})", p.name, sampler.name(), p.accepts, p.default);
+                let reason = format!("{} of {} is {} (default {})", p.name, entry.name, p.accepts, p.default);
                 Error::setting(Setting::Params, format!("{}={text}", p.name), reason)
             })?;
-            Ok((p.name, value))
+            Ok((p, value))
         });
         Ok(Self { values: values.collect::<Result<_>>()? })
     }
@@ -115,32 +135,49 @@ impl ParameterValues {
     /// The number called `name`.
     ///
     /// # Errors
-    /// Values of another sampler.
+    /// No such number.
     pub fn number(&self, name: &'static str) -> Result<f64> {
         match self.get(name)? {
             Value::Number(x) => Ok(x),
-            Value::Word(w) => Err(Error::setting(Setting::Params, format!("{name}={w}"), "expected a number")),
+            other => Err(Error::setting(Setting::Params, format!("{name}={other}"), "expected a number")),
         }
     }
 
     /// The word called `name`.
     ///
     /// # Errors
-    /// Values of another sampler.
+    /// No such word.
     pub fn word(&self, name: &'static str) -> Result<&'static str> {
         match self.get(name)? {
             Value::Word(w) => Ok(w),
-            Value::Number(x) => Err(Error::setting(Setting::Params, format!("{name}={x}"), "expected a word")),
+            other => Err(Error::setting(Setting::Params, format!("{name}={other}"), "expected a word")),
         }
     }
 
-    /// `key=value` for every parameter, in the order of declaration, defaults written out: equal text, equal points.
+    /// The whole number called `name`, `None` where it is a word.
+    ///
+    /// # Errors
+    /// No such whole number.
+    pub fn whole(&self, name: &'static str) -> Result<Option<u64>> {
+        match self.get(name)? {
+            Value::Whole(x) => Ok(Some(x)),
+            Value::Word(_) => Ok(None),
+            other => Err(Error::setting(Setting::Params, format!("{name}={other}"), "expected a whole number")),
+        }
+    }
+
+    /// `key=value` for every parameter but `shift`, in the order of declaration, defaults written out.
     pub fn canonical(&self) -> impl Iterator<Item = String> {
-        self.values.iter().map(|(name, value)| format!("{name}={value}"))
+        self.values.iter().filter(|(p, _)| p.name != SHIFT.name).map(|(p, value)| format!("{}={value}", p.name))
+    }
+
+    /// Those that the random numbers depend on.
+    pub(super) fn identity(&self) -> impl Iterator<Item = String> {
+        self.values.iter().filter(|(p, _)| p.identity).map(|(p, value)| format!("{}={value}", p.name))
     }
 
     fn get(&self, name: &'static str) -> Result<Value> {
-        let found = self.values.iter().find(|(key, _)| *key == name);
+        let found = self.values.iter().find(|(p, _)| p.name == name);
         found.map(|(_, value)| *value).ok_or_else(|| {
             Error::setting(
                 Setting::Params,
@@ -151,14 +188,10 @@ impl ParameterValues {
     }
 }
 
-fn unknown(sampler: &dyn Sampler, key: &str) -> String {
-    let (name, parameters) = (sampler.name(), sampler.parameters());
-    if parameters.is_empty() {
-        return format!("{name} has no parameters");
-    }
-    let names: Vec<_> = parameters.iter().map(|p| p.name).collect();
-    let hint = nearest(key, &names).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+fn unknown(entry: &Entry, key: &str) -> String {
+    let names: Vec<_> = entry.all_parameters().map(|p| p.name).collect();
+    let hint = nearest_names(key, &names).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
     let known: Vec<_> =
-        parameters.iter().map(|p| format!("{} ({}, default {})", p.name, p.accepts, p.default)).collect();
-    format!("{name} has no parameter {key}{hint}; expected {}", known.join(", "))
+        entry.all_parameters().map(|p| format!("{} ({}, default {})", p.name, p.accepts, p.default)).collect();
+    format!("{} has no parameter {key}{hint}; expected {}", entry.name, known.join(", "))
 }

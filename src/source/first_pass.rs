@@ -11,7 +11,7 @@ use super::files::{Files, Marking};
 use super::precision::Extent;
 use super::weights::Weights;
 use super::{Kind, Points, domain};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plural};
 use crate::points::read::{Input, MarkedPoints, Reading, read_polygon};
 use crate::points::{Domain, Ensemble, EnsembleShape};
 use crate::request::PointsRequest;
@@ -155,12 +155,16 @@ impl<'a> FirstPass<'a> {
     fn warnings(&self, domain: &Domain) -> Vec<String> {
         let mut warnings = self.notes.clone();
         if self.more_notes > 0 {
-            warnings.push(format!("{} more remarks of this kind about other files", self.more_notes));
+            warnings.push(format!("{} of this kind about other files", plural(self.more_notes as u64, "more remark")));
         }
         let points: u64 = self.sizes.iter().sum();
         if self.request.wrap {
             let were = if self.outside == 1 { "was" } else { "were" };
-            warnings.push(format!("{} of {points} points {were} outside the box and folded into it", self.outside));
+            warnings.push(format!(
+                "{} of {} {were} outside the box and folded into it",
+                self.outside,
+                plural(points, "point")
+            ));
         }
         warnings.extend(self.extent.flat(&self.input));
         let mean = points as f64 / self.sizes.len().max(1) as f64;

@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Mutex;
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
 
@@ -25,7 +26,7 @@ use crate::points::read::{
 };
 use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints, counts_in_pairs};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
-use crate::samplers::{self, Process};
+use crate::samplers::Process;
 use crate::setting::Setting;
 
 /// The points of one request.
@@ -66,7 +67,15 @@ impl Points {
     /// # Errors
     /// Files that cannot be read, points outside the domain, settings that contradict each other: each by its place.
     pub fn open(request: &PointsRequest) -> Result<Self> {
-        let mut points = Self::open_subject(request)?;
+        Self::open_with(request, &Control::default())
+    }
+
+    /// The same, where it can be stopped.
+    ///
+    /// # Errors
+    /// The same; `Error::Cancelled`.
+    pub fn open_with(request: &PointsRequest, control: &Control) -> Result<Self> {
+        let mut points = Self::open_subject(request, control)?;
         if let Some(from) = request.envelope_from.first() {
             let of_files = PointsRequest {
                 files: request.envelope_from.clone(),
@@ -80,7 +89,7 @@ impl Points {
                 class_column: None,
                 ..request.clone()
             };
-            let simulations = Self::open_subject(&of_files)?;
+            let simulations = Self::open_subject(&of_files, control)?;
             if simulations.domain != points.domain {
                 let reason = format!("the simulations are in {}, the points in {}", simulations.domain, points.domain);
                 return Err(Error::setting(Setting::EnvelopeFrom, from.display(), reason));
@@ -91,14 +100,15 @@ impl Points {
         Ok(points)
     }
 
-    fn open_subject(request: &PointsRequest) -> Result<Self> {
+    fn open_subject(request: &PointsRequest, control: &Control) -> Result<Self> {
         if let Some(name) = &request.sampler {
             let n = request
                 .points
                 .ok_or_else(|| Error::setting(Setting::Points, "(none)", "`sampler` needs `points` N"))?;
             let (k, dim) = (request.realizations.unwrap_or(1), request.dim.unwrap_or(2));
             let seed = request.seed.unwrap_or(1);
-            let process = Process::new(name, n, k, dim, seed, &request.params)?;
+            let process =
+                Process::new(name, n, k, dim, seed, &request.params.iter().map(String::as_str).collect::<Vec<_>>())?;
             if let Some(path) = &request.window_polygon {
                 let reason = "samplers fill a torus; a window needs files";
                 return Err(Error::setting(Setting::WindowPolygon, path.display(), reason));
@@ -107,7 +117,7 @@ impl Points {
                 return Err(Error::setting(Setting::Domain, "window", "samplers fill a torus; a window needs files"));
             }
             let domain = domain(request, None, dim)?;
-            return Ok(Self::sampled(process, domain));
+            return Self::sampled_with(process, domain, control);
         }
         refuse_settings_of_samplers(request)?;
         if let Some(window) = request.window.as_ref().filter(|w| w.len() % 2 == 1 || w.len() > 6) {
@@ -120,12 +130,16 @@ impl Points {
         if request.files.is_empty() {
             return Err(Error::setting(Setting::Files, "(none)", "expected point files, or `sampler` NAME `points` N"));
         }
-        Self::files_within(request, MEMORY_BUDGET)
+        Self::files_with(request, MEMORY_BUDGET, control)
     }
 
     /// The same where files are held in memory up to `budget` bytes, and read again when they are needed beyond that.
     #[doc(hidden)]
     pub fn files_within(request: &PointsRequest, budget: u64) -> Result<Self> {
+        Self::files_with(request, budget, &Control::default())
+    }
+
+    fn files_with(request: &PointsRequest, budget: u64, control: &Control) -> Result<Self> {
         let columns = columns(request)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let mut pass = FirstPass::new(request)?;
@@ -133,6 +147,7 @@ impl Points {
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
         let (mut files, mut first) = (Vec::new(), 0);
         each_piece(&request.files, &options, &columns, |_, file, piece| {
+            control.check()?;
             pass.see(&piece)?;
             let numbers =
                 |set: &MarkedPoints| set.points.coordinates.len() + set.weights.len() + set.points.lines.len();
@@ -226,26 +241,40 @@ impl Points {
         }
     }
 
-    /// Realizations of a process, stretched to a domain.
-    pub fn sampled(process: Process, domain: Domain) -> Self {
-        let Process { n, dim, seed, realizations, .. } = process;
-        let name = process.sampler.name();
-        // A drawn n rarely strays far from its mean; the budget of a batch is no sharper than that.
-        let max_points = if process.sampler.fixed_n() { n } else { 2 * n + 16 };
-        let parameters: Vec<String> = process.values.canonical().collect();
-        Self {
+    /// Realizations of a process, stretched to a domain. Where their numbers of points are drawn, they are drawn here once: a plan knows
+    /// them as it knows those of files.
+    ///
+    /// # Errors
+    /// What the sampler says; a realization without points is none.
+    pub fn sampled(process: Process, domain: Domain) -> Result<Self> {
+        Self::sampled_with(process, domain, &Control::default())
+    }
+
+    fn sampled_with(process: Process, domain: Domain, control: &Control) -> Result<Self> {
+        let Process { n, dim, seed, realizations, ref name, ref parameters, .. } = process;
+        let (shape, fewest) = if process.fixed_n {
+            (EnsembleShape { realizations, mean_points: n as f64, max_points: n }, n)
+        } else {
+            let count = |index| process.count(index, control);
+            let counts = (0..realizations).into_par_iter().map(count).collect::<Result<Vec<u64>>>()?;
+            if counts.iter().all(|&n| n == 0) {
+                return Err(Error::setting(Setting::Points, n, "no realization drew a single point; more are needed"));
+            }
+            (EnsembleShape::of(&counts), counts.iter().copied().min().unwrap_or(0))
+        };
+        Ok(Self {
             subject: format!("sampler {name}, n {n}, K {realizations}, seed {seed}"),
             domain,
-            shape: EnsembleShape { realizations, mean_points: n as f64, max_points },
+            shape,
             identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
             classes: Vec::new(),
             weights: Weights::default(),
-            fewest: if process.sampler.fixed_n() { n } else { 0 },
+            fewest,
             input: None,
             warnings: Vec::new(),
             simulations: None,
             kind: Kind::Process(process),
-        }
+        })
     }
 
     /// Realizations that are made when they are asked for.
@@ -308,10 +337,9 @@ impl Points {
     /// What was read, in a line: how many points and realizations, in what, from what.
     pub fn first_line(&self) -> String {
         let EnsembleShape { realizations, mean_points, max_points } = self.shape;
-        let n = match (&self.kind, self.fewest) {
-            (Kind::Process(p), _) if !p.sampler.fixed_n() => format!("about {mean_points}"),
-            (_, fewest) if fewest == max_points => max_points.to_string(),
-            (_, fewest) => format!("{fewest}..{max_points}"),
+        let n = match self.fewest {
+            fewest if fewest == max_points => max_points.to_string(),
+            fewest => format!("{fewest}..{max_points}, mean {}", number(mean_points)),
         };
         let from = self.input.as_ref().map_or_else(String::new, |input| format!(": {}", input.words()));
         let (dim, domain, subject) = (self.domain.dim(), &self.domain, &self.subject);
@@ -384,10 +412,7 @@ impl Points {
                     "these points are not here: sums that were read know of them, and go on once they have them again";
                 Err(Error::input(&self.subject, reason))
             }
-            Kind::Process(p) => {
-                let on_unit = samplers::ensemble(&*p.sampler, p.n, p.dim, p.seed, range, &p.values, control)?;
-                Ok(on_unit.stretched(&self.domain))
-            }
+            Kind::Process(p) => Ok(p.ensemble(range, control)?.stretched(&self.domain)),
         }
     }
 }

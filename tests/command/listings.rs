@@ -1,13 +1,85 @@
-//! What is there to choose from.
+//! What is there to choose from, and what it makes.
 
-use crate::shared::Scratch;
+use crate::shared::{Scratch, summary};
 
 #[test]
 fn samplers_and_devices_are_listed() {
     let scratch = Scratch::new();
-    let samplers = scratch.ok("samplers");
-    for name in ["random", "grid", "jittered", "poisson-disk", "halton", "thomas", "--param radius"] {
-        assert!(samplers.contains(name), "{name} is missing from\n{samplers}");
+    let list = scratch.ok("samplers");
+    let json: serde_json::Value = serde_json::from_str(&scratch.ok("samplers --json")).unwrap();
+    let all = json.as_array().unwrap();
+    assert!(all.len() > 30);
+    for sampler in all {
+        let name = sampler["name"].as_str().unwrap();
+        assert!(list.contains(&format!("  {name} ")), "{name} is missing from\n{list}");
+        let explained = scratch.ok(&format!("samplers {name}"));
+        for parameter in sampler["parameters"].as_array().unwrap() {
+            let key = parameter["name"].as_str().unwrap();
+            assert!(explained.contains(&format!("--param   {key}=")), "{key} is missing from\n{explained}");
+        }
+        assert!(sampler["fixed_n"].is_boolean() && sampler["dims"].is_array(), "{sampler}");
     }
+    assert!(scratch.ok("samplers mpd").starts_with("maximal-poisson-disk: "), "by an alias");
+    assert!(scratch.ok("samplers sobol").contains("Frances Y. Kuo and Stephen Joe"));
     assert!(scratch.ok("devices").starts_with("cpu "));
+}
+
+#[test]
+fn samples_are_written_in_order_by_any_number_of_threads() {
+    let scratch = Scratch::new();
+    for name in ["thomas", "sobol", "poisson-disk"] {
+        let write = |threads: u32, k: u32| {
+            scratch.ok(&format!("sample {name} -n 50 -k {k} --threads {threads} --out {name}-{threads}-{k}.csv"));
+            std::fs::read_to_string(scratch.path(&format!("{name}-{threads}-{k}.csv"))).unwrap()
+        };
+        let one = write(1, 40);
+        assert_eq!(one, write(2, 40), "{name}");
+        assert!(one.starts_with(&write(1, 13)), "{name}: fewer realizations are the first ones");
+    }
+}
+
+#[test]
+fn the_nearest_number_is_taken_and_said() {
+    let scratch = Scratch::new();
+    let run = scratch.run("sample hexagonal -n 1024 --nearest --out hex.csv");
+    assert!(run.status.success());
+    assert_eq!(String::from_utf8(run.stderr).unwrap(), "note: n = 1020, the nearest to 1024 that hexagonal can make\n");
+    assert_eq!(String::from_utf8(run.stdout).unwrap(), "hex.csv: 1 realization of hexagonal, n = 1020\n");
+    // Of two that are as near, the larger: 2.5^2 lies between 4 and 9.
+    let run = scratch.run("sample cell -n 30 --nearest -k 2 --out cell.csv");
+    assert!(String::from_utf8(run.stderr).unwrap().contains("n = 25,"));
+}
+
+#[test]
+fn sequences_go_to_sixteen_dimensions() {
+    let scratch = Scratch::new();
+    for name in ["random", "lhs", "halton", "sobol", "kronecker"] {
+        scratch.ok(&format!("sample {name} -n 16 --dim 16 --out {name}.npy"));
+        let (shape, values) = crate::shared::npy(&scratch.path(&format!("{name}.npy")));
+        assert_eq!(shape, [16, 16]);
+        assert!(values.iter().all(|x| (0.0..1.0).contains(x)));
+    }
+}
+
+/// Where n is drawn, a sampler and a file of its points have the same frequencies by default.
+#[test]
+fn a_sampler_and_its_file_are_measured_alike() {
+    let scratch = Scratch::new();
+    let sampler = "thomas -n 90 -k 7 --seed 4";
+    scratch.ok(&format!("sample {sampler} --out points.npz"));
+    scratch.ok(&format!("analyze --sampler {sampler} --stats pcf,radial --device cpu --out drawn"));
+    scratch.ok("analyze points.npz --stats pcf,radial --device cpu --out read");
+    for file in ["pcf.csv", "spectrum_radial.csv"] {
+        let [drawn, read] = ["drawn", "read"].map(|dir| std::fs::read(scratch.path(dir).join(file)).unwrap());
+        let columns = |bytes: &[u8]| -> Vec<String> {
+            let text = String::from_utf8(bytes.to_vec()).unwrap();
+            let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+            let keep: Vec<usize> = (0..head.len()).filter(|k| !head[*k].contains("theory")).collect();
+            text.lines()
+                .map(|l| keep.iter().map(|k| l.split(',').nth(*k).unwrap()).collect::<Vec<_>>().join(","))
+                .collect()
+        };
+        assert_eq!(columns(&drawn), columns(&read), "{file}");
+    }
+    assert_eq!(summary(&scratch.path("drawn"))["points"], summary(&scratch.path("read"))["points"]);
 }

@@ -8,7 +8,7 @@ use pairwave::control::Control;
 use pairwave::estimate::{CrossValidation, Normalization};
 use pairwave::plan::{Bandwidth, BandwidthSearch, Correction, Divisor, Smoothing, SmoothingKernel};
 use pairwave::points::{Domain, Ensemble};
-use pairwave::samplers::{ParameterValues, find};
+use pairwave::samplers::Process;
 
 #[test]
 fn rules_of_bandwidth() {
@@ -81,11 +81,10 @@ fn the_score_of_cross_validation_is_guans() {
 /// On clusters much wider than Stoyan's bandwidth, against the closed form.
 #[test]
 fn cross_validation_beats_the_rule_of_thumb() {
-    let sampler = find("thomas").unwrap();
-    let values = ParameterValues::parse(sampler, &["mu=10", "sigma=1"]).unwrap();
     let mut errors = [0.0; 2];
     for seed in 1..=4 {
-        let e = pairwave::samplers::ensemble(sampler, 400, 2, seed, 0..4, &values, &Control::default()).unwrap();
+        let process = Process::new("thomas", 400, 4, 2, seed, &["mu=10", "sigma=1"]).unwrap();
+        let e = process.ensemble(0..4, &Control::default()).unwrap();
         let r: Vec<f64> = (0..200).map(|k| 0.03 + 0.0011 * f64::from(k)).collect();
         let (search, counts) = search(&e, SmoothingKernel::Epanechnikov, [r[0], r[199]]);
         let found = CrossValidation::new(&search, &counts, Divisor::R, Normalization::Pairs);
@@ -93,9 +92,7 @@ fn cross_validation_beats_the_rule_of_thumb() {
         let squared_error = |bandwidth: f64| {
             let kernel = Smoothing { shape: SmoothingKernel::Epanechnikov, bandwidth };
             let g = direct(&cpu(), &kernel_plan(&e, kernel, Divisor::R, &r, Correction::None, 400.0), &e);
-            let error = |(r, g): (&f64, &Option<f64>)| {
-                (g.unwrap() - sampler.pair_correlation(400, 2, *r, &values).unwrap()).powi(2) * r
-            };
+            let error = |(r, g): (&f64, &Option<f64>)| (g.unwrap() - process.pair_correlation(*r).unwrap()).powi(2) * r;
             g.r.iter().zip(&g.g).map(error).sum::<f64>()
         };
         let (ours, stoyan) =

@@ -8,16 +8,14 @@ use pairwave::control::Control;
 use pairwave::estimate::{AmplitudeCovariance, PowerSpectrum};
 use pairwave::plan::{Accuracy, CovariancePlan, EnsembleShape};
 use pairwave::points::{Domain, Ensemble};
-use pairwave::samplers::{ParameterValues, find};
+use pairwave::samplers::Process;
 
 /// The covariance of a sampler's amplitudes for |m_k| <= `b`, all points of a realization moved by a random shift if `shifted`.
 fn covariance(name: &str, n: u64, k: u64, dim: usize, b: u32, shifted: bool) -> (Ensemble, AmplitudeCovariance) {
-    let sampler = find(name).unwrap();
-    let values = ParameterValues::parse(sampler, &[] as &[&str]).unwrap();
+    let process = Process::new(name, n, k, dim, 5, &[]).unwrap();
     let mut sets = Vec::new();
     for index in 0..k {
-        let which = pairwave::samplers::Realization { n, dim, seed: 5, index };
-        let mut coordinates = sampler.generate(&which, &values).unwrap();
+        let mut coordinates = process.coordinates(index, &Control::default()).unwrap();
         let shift = uniform(dim, 1, 1_000_000 + index).coordinates;
         for (j, x) in coordinates.iter_mut().enumerate().filter(|_| shifted) {
             *x = (*x + shift[j % dim]).fract();

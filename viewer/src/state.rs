@@ -78,7 +78,7 @@ impl State {
 
     /// Adds a set of a sampler that no other set is of.
     pub(crate) fn add_other(&mut self) {
-        let names = || pairwave::samplers::registry().iter().map(|sampler| sampler.name());
+        let names = || pairwave::samplers::registry().iter().map(|sampler| sampler.name);
         let other = |name: &&str| self.sets.iter().all(|set| set.request.input.sampler.as_deref() != Some(*name));
         if let Some(name) = names().find(other).or_else(|| names().next()) {
             self.add_sampler(name);

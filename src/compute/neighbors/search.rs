@@ -259,7 +259,7 @@ mod tests {
     use crate::plan::EnsembleShape;
     use crate::points::geometry::squared_distance;
     use crate::points::{Ensemble, RawPoints};
-    use crate::samplers::{ParameterValues, Realization, find};
+    use crate::samplers::Process;
 
     fn raw(dim: usize, coordinates: Vec<f64>) -> RawPoints {
         RawPoints { dim, coordinates, source: "test".into(), lines: Vec::new() }
@@ -270,9 +270,7 @@ mod tests {
     }
 
     fn sample(name: &str, param: &[&str], n: u64, dim: usize) -> Vec<f64> {
-        let sampler = find(name).unwrap();
-        let values = ParameterValues::parse(sampler, param).unwrap();
-        sampler.generate(&Realization { n, dim, seed: 3, index: 0 }, &values).unwrap()
+        Process::new(name, n, 1, dim, 3, param).unwrap().coordinates(0, &Control::default()).unwrap()
     }
 
     /// A few test points, as of a thousand realizations.

@@ -3,8 +3,8 @@
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::{Reading, plural};
-use crate::error::{Error, Result};
+use super::Reading;
+use crate::error::{Error, Result, plural};
 use crate::points::RawPoints;
 use crate::setting::Setting;
 

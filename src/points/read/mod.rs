@@ -24,7 +24,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plural};
 use crate::points::RawPoints;
 use crate::setting::Setting;
 
@@ -182,14 +182,6 @@ fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) 
 
 fn coordinates(dim: usize) -> String {
     plural(dim as u64, "coordinate")
-}
-
-pub(crate) fn plural(n: u64, noun: &str) -> String {
-    match (n, noun) {
-        (1, _) => format!("1 {noun}"),
-        (_, "axis") => format!("{n} axes"),
-        _ => format!("{n} {noun}s"),
-    }
 }
 
 fn is_stdin(path: &Path) -> bool {

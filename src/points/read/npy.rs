@@ -8,8 +8,8 @@ use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::{Apart, Columns, Element, MarkedPoints, Sets, check_length, numbered, plural};
-use crate::error::{Error, Result};
+use super::{Apart, Columns, Element, MarkedPoints, Sets, check_length, numbered};
+use crate::error::{Error, Result, plural};
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 

@@ -4,8 +4,8 @@
 
 use std::io::{Cursor, Read};
 
-use super::{Apart, Columns, MarkedPoints, Rows, Sets, foreign, natural_key, npy, plural};
-use crate::error::{Error, Result};
+use super::{Apart, Columns, MarkedPoints, Rows, Sets, foreign, natural_key, npy};
+use crate::error::{Error, Result, plural};
 
 /// The first entry of an archive, and the end of an empty one.
 pub(super) const MAGICS: [&[u8]; 2] = [b"PK\x03\x04", b"PK\x05\x06"];

@@ -4,8 +4,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Apart, Columns, Element, MarkedPoints, Sets, numbered, plural};
-use crate::error::{Error, Result};
+use super::{Apart, Columns, Element, MarkedPoints, Sets, numbered};
+use crate::error::{Error, Result, plural};
 use crate::setting::Setting;
 
 /// The number type of a raw file.

@@ -117,9 +117,12 @@ fn exists(path: &Path) -> Error {
     Error::setting(Setting::Out, path.display(), "exists already; `force` replaces it")
 }
 
+/// As many coordinates as a sampler makes.
+const MOST_AXES: usize = 16;
+
 /// What no format should hold, because no reader takes it back.
 fn check(set: &RawPoints, dim: usize) -> Result<()> {
-    if set.dim != dim || !(1..=3).contains(&dim) || !set.coordinates.len().is_multiple_of(dim) {
+    if set.dim != dim || !(1..=MOST_AXES).contains(&dim) || !set.coordinates.len().is_multiple_of(dim) {
         let reason = format!("points of {} coordinates in a file of {dim}-dimensional points", set.dim);
         return Err(Error::input(&set.source, reason));
     }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result, number};
+use crate::error::{Error, Result, number, plural};
 use crate::plan::WaveList;
 use crate::points::Domain;
-use crate::points::read::{Columns, Input, ReadOptions, Rows, plural, read_file};
+use crate::points::read::{Columns, Input, ReadOptions, Rows, read_file};
 use crate::setting::Setting;
 
 /// Frequencies from here on are refused: 2^31 cycles per side.

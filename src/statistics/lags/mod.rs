@@ -7,7 +7,7 @@ mod tables;
 
 use super::group::{Ask, Parts};
 use super::{Array, Keys, Output, Room, Row, Turn, Values, across};
-use crate::error::Result;
+use crate::error::{Result, plural};
 use crate::estimate::{Analysis, ErrorSource, VectorCorrelation};
 
 pub(crate) use counts::Lags;
@@ -64,7 +64,7 @@ impl Room for Here {
         if let Some(vector) = a.vector() {
             let pairs: u64 = vector.count.iter().sum();
             let bins = vec![vector.grid.bins.to_string(); vector.grid.dim()].join(" x ");
-            lines.push(format!("g(h): {bins} cells of lags, {pairs} ordered pairs"));
+            lines.push(format!("g(h): {bins} cells of lags, {}", plural(pairs, "ordered pair")));
         }
         lines
     }

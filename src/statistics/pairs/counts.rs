@@ -353,10 +353,12 @@ fn closed_form(subject: &Subject<'_>, g: &PairCorrelation) -> Option<Vec<f64>> {
     let process = subject.closed_forms()?;
     let side = subject.domain.shortest_side();
     let n = process.n as f64;
-    // What turns n(n-1) into n^2 is a number only where n is one.
+    // Of E[n(n - 1)] and E[n^2].
     let factor = match subject.request.normalization {
         Normalization::Pairs => Some(1.0),
-        Normalization::Intensity => process.sampler.fixed_n().then_some((n - 1.0) / n),
+        Normalization::Intensity => {
+            process.sampler.count_variance().map(|variance| (n * (n - 1.0) + variance) / (n * n + variance))
+        }
     };
     g.r.iter().map(|r| Some(process.pair_correlation(r / side)? * factor?)).collect()
 }

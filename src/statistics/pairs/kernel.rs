@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::counts::identity;
 use crate::accumulate::{ComputedBy, KernelSums, PairCounts};
 use crate::compute::{Compute, Session};
-use crate::error::Result;
+use crate::error::{Result, plural};
 use crate::estimate::{Analysis, CrossValidation, KernelEstimate};
 use crate::plan::{Bandwidth, BandwidthSearch, Batch, KernelPlan, PairSettings, RadialBins, Smoothing};
 use crate::points::Ensemble;
@@ -149,7 +149,8 @@ impl Group for Smoothed {
         if sums.coincident > 0 {
             let coincident = sums.coincident;
             warnings.push(format!(
-                "{coincident} ordered pairs at distance 0 are left out of g_kernel: divisor d would divide by 0"
+                "left out of g_kernel: {} at distance 0, by which divisor d would divide",
+                plural(coincident, "ordered pair")
             ));
         }
         if let Some(found) = self.found.filter(|f| f.at_end) {

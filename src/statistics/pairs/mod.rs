@@ -10,7 +10,7 @@ mod tables;
 use super::group::{Ask, Parts};
 use super::{Keys, Output, Room, Row, across};
 use crate::display::human;
-use crate::error::Result;
+use crate::error::{Result, plural};
 use crate::estimate::{Analysis, Curve, ErrorSource};
 use crate::request::Statistic;
 
@@ -128,12 +128,16 @@ impl Room for Here {
         if let Some(g) = a.pair_correlation() {
             let pairs: u64 = g.count.iter().sum();
             let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
-            lines.push(format!("g(r): {} bins over {range}, {pairs} ordered pairs", g.g.len()));
+            lines.push(format!(
+                "g(r): {} over {range}, {}",
+                plural(g.g.len() as u64, "bin"),
+                plural(pairs, "ordered pair")
+            ));
         }
         if let Some(cross) = a.cross() {
             let pairs: u64 = cross.between.count.iter().sum();
             let [a, b] = &cross.classes;
-            lines.push(format!("g of {a} and {b}: {pairs} pairs from {a} to {b}"));
+            lines.push(format!("g of {a} and {b}: {} from {a} to {b}", plural(pairs, "pair")));
         }
         if let Some(cross) = a.cross_k()
             && let (Some(&r), Some(&l)) = (cross.between.r.last(), cross.between.l.last())

@@ -12,7 +12,7 @@ pub(crate) use image::{image as spectrum_image, tone_text};
 use super::group::{Ask, Parts};
 use super::{Array, Keys, Output, Room, Row, Values, across};
 use crate::display::{human, with_error};
-use crate::error::Result;
+use crate::error::{Result, plural};
 use crate::estimate::{Analysis, ErrorSource};
 use crate::plan::WaveGrid;
 
@@ -106,14 +106,14 @@ impl Room for Here {
     fn headline(&self, a: &Analysis) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(spectrum) = a.listed_power() {
-            lines.push(format!("P(ν): {} wave vectors of a list", spectrum.p.len()));
+            lines.push(format!("P(ν): {} of a list", plural(spectrum.p.len() as u64, "wave vector")));
         }
         if let Some(radial) = a.radial() {
             let first = radial.rings.first().map_or(String::new(), |ring| {
                 let error = Some(ring.p_se);
                 format!(", P = {} at the lowest frequency", with_error(ring.p, error))
             });
-            lines.push(format!("P(ν): {} rings{first}", radial.rings.len()));
+            lines.push(format!("P(ν): {}{first}", plural(radial.rings.len() as u64, "ring")));
         }
         lines
     }

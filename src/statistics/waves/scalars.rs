@@ -114,10 +114,17 @@ pub(super) fn rows(details: &SpectrumDetails) -> Vec<(String, String)> {
     }
     if let Some(low) = &s.low_frequency {
         let [lo, hi] = low.range.map(human);
+        // As in structure-factor, whose own example is below 0 too.
+        let below = match low.hyperuniformity_index < 0.0 {
+            true => {
+                "; below 0: the line through a curve that bends upward from 0; at most 10<sup>-3</sup> counts as hyperuniform"
+            }
+            false => "",
+        };
         let h = with_error(low.hyperuniformity_index, Some(low.hyperuniformity_index_se));
         row(
             "Hyperuniformity index <i>P</i>(0) / <i>P</i>(peak)",
-            format!("{h} (line through {} rings, <i>ν</i> from {lo} to {hi})", low.rings),
+            format!("{h} (line through {} rings, <i>ν</i> from {lo} to {hi}){below}", low.rings),
         );
         let exponent = match (low.exponent, low.exponent_interval) {
             (Some(b), Some([from, to])) => {

@@ -3,7 +3,7 @@
 use eframe::egui;
 use pairwave::Setting;
 use pairwave::request::Request;
-use pairwave::samplers::{Accepts, MAX_POINTS, Parameter, Sampler, find, registry};
+use pairwave::samplers::{Accepts, Entry, MAX_POINTS, Parameter, find, registry};
 
 use super::{Controls, choice, row, setting};
 use crate::set::{Set, fitting, of_sampler};
@@ -37,11 +37,11 @@ pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, reques
     ui.heading("Points");
     let named = request.input.sampler.clone();
     let mut name = named.as_deref().unwrap_or("files");
-    let mut all: Vec<&str> = registry().iter().map(|s| s.name()).collect();
+    let mut all: Vec<&str> = registry().iter().map(|s| s.name).collect();
     if named.is_none() || !all.contains(&name) {
         all.insert(0, name);
     }
-    let help = find(name).map_or("Points from files", Sampler::summary);
+    let help = find(name).map_or("Points from files", |sampler| sampler.summary);
     if choice(ui, ("sampler", help), &mut name, &all, str::to_string) && name != "files" {
         *request = of_sampler(request, name);
     }
@@ -95,11 +95,12 @@ fn sampler(ui: &mut egui::Ui, request: &mut Request) {
         input.seed = Some(seed).filter(|seed| *seed != 1);
     }
     let mut dim = input.dim.unwrap_or(2);
-    if choice(ui, ("dimension", "--dim"), &mut dim, &[1, 2, 3], |d| format!("{d}D")) {
+    let dims: Vec<usize> = known.map_or(1..=3, |sampler| sampler.dims.clone()).filter(|dim| *dim <= 3).collect();
+    if choice(ui, ("dimension", "--dim"), &mut dim, &dims, |d| format!("{d}D")) {
         input.dim = Some(dim).filter(|d| *d != 2);
         changed = true;
     }
-    for parameter in known.map_or(&[][..], |sampler| sampler.parameters()) {
+    for parameter in known.into_iter().flat_map(Entry::all_parameters) {
         self::parameter(ui, &mut input.params, parameter);
     }
     if changed {
@@ -117,6 +118,13 @@ fn parameter(ui: &mut egui::Ui, params: &mut Vec<String>, parameter: &Parameter)
             let mut word = value.as_str();
             choice(ui, (parameter.name, &help), &mut word, words, str::to_string).then(|| word.to_string())
         }
+        Accepts::Whole(..) | Accepts::WordOrWhole(..) => row(ui, parameter.name, &help, |ui, label| {
+            let mut text = value.clone();
+            let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+            let typed =
+                ui.add_sized(size, egui::TextEdit::singleline(&mut text)).labelled_by(label).on_hover_text(&help);
+            typed.changed().then_some(text)
+        }),
         Accepts::Above(low, high) | Accepts::Between(low, high) => row(ui, parameter.name, &help, |ui, label| {
             let mut x = value.parse::<f64>().unwrap_or(low);
             let speed = (x.abs() * 0.01).max(1e-3);

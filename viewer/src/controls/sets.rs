@@ -56,8 +56,8 @@ pub(super) fn show(ui: &mut egui::Ui, state: &State, actions: &mut Vec<Action>) 
         ui.horizontal(|ui| {
             ui.menu_button("Add…", |ui| {
                 for sampler in pairwave::samplers::registry() {
-                    if ui.button(sampler.name()).on_hover_text(sampler.summary()).clicked() {
-                        actions.push(Action::AddSampler(sampler.name()));
+                    if ui.button(sampler.name).on_hover_text(sampler.summary).clicked() {
+                        actions.push(Action::AddSampler(sampler.name));
                     }
                 }
             })

@@ -68,7 +68,7 @@ fn points_are_chosen_by_name() {
 #[test]
 fn parameters_of_samplers_are_controls() {
     let mut window = window("--sampler thomas -n 50 -k 2");
-    for parameter in pairwave::samplers::find("thomas").unwrap().parameters() {
+    for parameter in pairwave::samplers::find("thomas").unwrap().parameters {
         let before = command(&window);
         let control = window.get_by_role_and_label(Role::SpinButton, parameter.name);
         let value = control.accesskit_node().numeric_value().unwrap();

@@ -18,8 +18,8 @@ use std::sync::Arc;
 use encoding_rs::Encoding;
 
 use super::columns::{Separator, without_unit};
-use super::{Apart, Columns, MarkedPoints, Reading, Rows, plural};
-use crate::error::{Error, Result};
+use super::{Apart, Columns, MarkedPoints, Reading, Rows};
+use crate::error::{Error, Result, plural};
 use headers::{Layout, is_degrees, named_columns};
 pub(super) use lines::Lines;
 pub(crate) use lines::{has_decimal_comma, is_decimal_comma};

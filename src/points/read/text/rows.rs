@@ -4,14 +4,14 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::super::columns::{Separator, check_weight};
-use super::super::{MarkedPoints, Rows, plural};
+use super::super::{MarkedPoints, Rows};
 use super::headers::numbers_columns;
 use super::lines::{
     decimal_comma, decimal_comma_number, has_decimal_comma, is_decimal_comma, number, shown, split_decimals,
     split_loosely, split_strictly, unquoted,
 };
 use super::{Announced, Parser, Seen};
-use crate::error::Result;
+use crate::error::{Result, plural};
 use crate::points::RawPoints;
 
 /// Of a column that could tell realizations apart so many values are looked at.

@@ -12,59 +12,44 @@
 //! Monte Carlo Integration", TOG 2015). The mean of g over directions follows from `overlap` below.
 
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
 
-use super::stream::{stream, uniform};
-use super::{ParameterValues, Realization, Sampler, nearest_power, strata_per_axis};
+use crate::control::Control;
 use crate::error::Result;
+use crate::samplers::size::root_below;
+use crate::samplers::{Entry, Family, Realization, Sampler, Size, cells, in_cell};
 use crate::sinc::sinc;
 
-pub(super) struct Jittered;
+pub(in crate::samplers) static ENTRY: Entry = Entry {
+    aliases: &["stratified"],
+    source: "Cook 1986",
+    formulas: "P = 1 - prod sinc^2(m_j/k); g(r) = n/(n-1) (1 - mean over directions of prod (1 - k|r_j|)+)",
+    size: Size::POWER,
+    ..Entry::new("jittered", Family::Stratified, "one uniform point in each of n = k^d equal cells", |given| {
+        Ok(Arc::new(Jittered { k: root_below(given.n, given.dim), n: given.n, dim: given.dim }))
+    })
+};
 
-/// The largest f64 below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+struct Jittered {
+    k: u64,
+    n: u64,
+    dim: usize,
+}
 
 impl Sampler for Jittered {
-    fn name(&self) -> &'static str {
-        "jittered"
+    fn generate(&self, which: &Realization, _: &Control) -> Result<Vec<f64>> {
+        let mut stream = which.stream();
+        let k = self.k as f64;
+        Ok(cells(which.n, self.k, which.dim).map(|cell| in_cell(cell, stream.uniform(), k)).collect())
     }
 
-    fn summary(&self) -> &'static str {
-        "one uniform point in each of n = k^d equal cells"
+    fn pair_correlation(&self, r: f64) -> Option<f64> {
+        let (k, n) = (self.k as f64, self.n as f64);
+        (n >= 2.0 && (0.0..=0.5).contains(&r)).then(|| n / (n - 1.0) * (1.0 - overlap(self.dim, k * r)))
     }
 
-    fn check(&self, n: u64, dim: usize, _values: &ParameterValues) -> Result<()> {
-        strata_per_axis(n, dim, self.name()).map(drop)
-    }
-
-    fn nearest_size(&self, n: u64, dim: usize) -> u64 {
-        nearest_power(n, dim)
-    }
-
-    fn generate(&self, realization: &Realization, values: &ParameterValues) -> Result<Vec<f64>> {
-        let Realization { n, dim, .. } = *realization;
-        let k = strata_per_axis(n, dim, self.name())?;
-        let mut rng = stream(self, values, realization);
-        let mut points = Vec::with_capacity(n as usize * dim);
-        for cell in 0..n {
-            let mut rest = cell;
-            for _ in 0..dim {
-                // The sum may round up to the next cell; past the last one that would be 1.
-                points.push((((rest % k) as f64 + uniform(&mut rng)) / k as f64).min(BELOW_ONE));
-                rest /= k;
-            }
-        }
-        Ok(points)
-    }
-
-    fn pair_correlation(&self, n: u64, dim: usize, r: f64, _values: &ParameterValues) -> Option<f64> {
-        let k = strata_per_axis(n, dim, self.name()).ok()? as f64;
-        let n = n as f64;
-        (n >= 2.0 && (0.0..=0.5).contains(&r)).then(|| n / (n - 1.0) * (1.0 - overlap(dim, k * r)))
-    }
-
-    fn power(&self, n: u64, m: [i32; 3], dim: usize, _values: &ParameterValues) -> Option<f64> {
-        let k = strata_per_axis(n, dim, self.name()).ok()? as f64;
-        Some(1.0 - m[..dim].iter().map(|&m| sinc(f64::from(m) / k).powi(2)).product::<f64>())
+    fn power(&self, m: &[i32]) -> Option<f64> {
+        Some(1.0 - m.iter().map(|&m| sinc(f64::from(m) / self.k as f64).powi(2)).product::<f64>())
     }
 }
 
