@@ -4,6 +4,7 @@ mod analysis;
 mod angular_spectrum;
 mod axis_slices;
 mod blue_noise;
+mod clusters;
 mod confidence;
 mod cross_correlation;
 mod cross_validation;
@@ -14,6 +15,7 @@ mod lag_consistency;
 mod low_frequency;
 mod neighbors;
 mod pair_correlation;
+mod pair_errors;
 mod pair_kernel;
 mod power_spectrum;
 mod psa_statistics;
@@ -57,6 +59,11 @@ pub enum ErrorSource {
     AcrossRealizations,
     /// Theory, for a single realization: Poisson pair counts; exponential periodogram ordinates.
     Theory,
+    /// Theory, for a single realization that is not clustered: Poisson pair counts, times what the spectrum that goes with
+    /// them makes of their variance.
+    SpectralTheory,
+    /// Theory, for a single realization of clusters: that of the Thomas process that goes with what was measured.
+    ClusterTheory,
 }
 
 impl ErrorSource {
