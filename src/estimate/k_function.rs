@@ -44,16 +44,16 @@ impl KFunction {
     /// the mean of n.
     pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization, mean_points: f64) -> Option<Self> {
         counts.cumulative.as_ref()?;
-        Self::with_errors(plan, counts, normalization, mean_points, PairErrors::new(plan, counts))
+        Self::with_errors(plan, counts, normalization, mean_points, PairErrors::new(plan, counts).as_ref())
     }
 
     /// The estimate, with Poisson errors for K = 1 if no others are given.
-    pub(super) fn with_errors(
+    pub(crate) fn with_errors(
         plan: &PairPlan,
         counts: &PairCounts,
         normalization: Normalization,
         mean_points: f64,
-        of_one: Option<PairErrors>,
+        of_one: Option<&PairErrors>,
     ) -> Option<Self> {
         let cumulative = counts.cumulative.as_ref()?;
         let (measure, dim) = (plan.domain.measure(), plan.domain.dim());
@@ -64,7 +64,7 @@ impl KFunction {
         for bin in 0..plan.bins.len() {
             let ratio = ratio(counts, cumulative, bin, normalization);
             closer += counts.counts[bin];
-            let error = match &of_one {
+            let error = match of_one {
                 Some(errors) => errors.cumulative[bin].sqrt(),
                 None => ratio.standard_error(plan, closer, typical),
             };

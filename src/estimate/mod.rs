@@ -26,6 +26,7 @@ mod spectrum_of_pcf;
 mod spectrum_scalars;
 mod vector_correlation;
 mod wave_covariance;
+mod window_edges;
 
 pub use analysis::{Analysis, ClosedForm, Finding, Findings};
 pub use angular_spectrum::{AngularSpectrum, SectorPower};
@@ -41,6 +42,7 @@ pub use lag_consistency::LagConsistency;
 pub use low_frequency::LowFrequency;
 pub use neighbors::{BondOrder, ClarkEvans, CrossNeighbors, NeighborDistances, NeighborFunctions, Neighbors};
 pub use pair_correlation::{Normalization, PairCorrelation};
+pub(crate) use pair_errors::PairErrors;
 pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;
 pub use psa_statistics::PsaStatistics;

@@ -49,18 +49,18 @@ pub struct PairCorrelation {
 impl PairCorrelation {
     /// The estimate. With no pair of points at all (every n < 2) g is 0/0 and reported as NaN; callers check first.
     pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization) -> Self {
-        Self::with_errors(plan, counts, normalization, PairErrors::new(plan, counts))
+        Self::with_errors(plan, counts, normalization, PairErrors::new(plan, counts).as_ref())
     }
 
     /// The estimate, with Poisson errors for K = 1 if no others are given.
-    pub(super) fn with_errors(
+    pub(crate) fn with_errors(
         plan: &PairPlan,
         counts: &PairCounts,
         normalization: Normalization,
-        of_one: Option<PairErrors>,
+        of_one: Option<&PairErrors>,
     ) -> Self {
         let bins = &plan.bins;
-        let errors = of_one.as_ref().map_or(ErrorSource::of(counts.realizations), |e| e.source);
+        let errors = of_one.map_or(ErrorSource::of(counts.realizations), |e| e.source);
         let mut g = Vec::with_capacity(bins.len());
         let mut g_se = Vec::with_capacity(bins.len());
         let typical = mean_weight(counts);
@@ -69,7 +69,7 @@ impl PairCorrelation {
             // Ordered pairs (or their weight) expected under complete randomness.
             let expected = plan.shell_measure(b) / plan.domain.measure() * ratio.norm;
             g.push(ratio.sum / expected);
-            let error = match &of_one {
+            let error = match of_one {
                 Some(errors) => errors.bins[b].sqrt(),
                 None => ratio.standard_error(plan, counts.counts[b], typical),
             };

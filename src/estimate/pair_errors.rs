@@ -10,12 +10,15 @@
 //!   twice their number, is multiplied by what that P makes of it.
 //! - Clusters (`Clusters`): P is that of the Thomas process that goes with them, and what the few clusters add is added.
 //!
-//! [docs/errors.md] says how often these errors hold what they promise.
+//! In a window its sides add to it (`WindowEdges`).
+//!
+//! `docs/errors.md` says how often these errors hold what they promise.
 
 use super::ErrorSource;
 use super::clusters::{BinPairs, Clusters};
 use super::ratio::mean_weight;
 use super::spectrum_of_pcf::ball;
+use super::window_edges::WindowEdges;
 use crate::accumulate::PairCounts;
 use crate::plan::{PairPlan, sphere_surface};
 
@@ -33,7 +36,7 @@ const LEFT_OUT: f64 = 0.05;
 
 /// Variances of the sums of one realization: what errors of g and K are made of.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct PairErrors {
+pub(crate) struct PairErrors {
     /// What they rest on.
     pub(super) source: ErrorSource,
     /// Per bin, of its sum.
@@ -53,13 +56,14 @@ struct Seen<'a> {
 
 impl PairErrors {
     /// `None` where neither theory goes: several realizations, minus sampling, weights of points, bins that show too little.
-    pub(super) fn new(plan: &PairPlan, counts: &PairCounts) -> Option<Self> {
+    pub(crate) fn new(plan: &PairPlan, counts: &PairCounts) -> Option<Self> {
         let seen = Seen::new(plan, counts)?;
         let clusters = seen.clusters();
         if clusters.is_none() && !seen.shows_spectrum() {
             return None;
         }
         let [of_bins, of_balls] = seen.spectral_ratios(clusters.as_ref());
+        let edges = seen.edge_variances(clusters.as_ref());
         let typical = mean_weight(counts);
         let variances = |cumulative: bool, ratios: &[f64]| {
             let (mut count, mut found, mut expected) = (0, 0.0, 0.0);
@@ -78,7 +82,7 @@ impl PairErrors {
                         2.0 * expected * ratio + clusters.pair_variance(seen.n, within)
                     }
                     None => 2.0 * found * ratio,
-                };
+                } + edges[usize::from(cumulative)][b];
                 // A pair counts for its weight. No less than the variance of one unordered pair.
                 let weight = if count > 0 { found / count as f64 } else { typical };
                 (weight * unweighted).max(4.0 * weight * weight)
@@ -134,7 +138,11 @@ impl<'a> Seen<'a> {
     }
 
     fn clusters(&self) -> Option<Clusters> {
-        Clusters::of_pairs(self.dim(), self.n, self.norm, &self.pairs)
+        let domain = &self.plan.domain;
+        // In a window the number of points near its sides moves all sums of long distances together.
+        let limit = if domain.is_torus() { f64::INFINITY } else { (domain.inner_diameter() / 8.0).max(self.reach()) };
+        let near = self.pairs.iter().take_while(|bin| bin.edges[1] <= limit).count().max(1);
+        Clusters::of_pairs(self.dim(), self.n, self.norm, &self.pairs[..near])
     }
 
     /// Per bin, and per ball up to its upper edge, `sum_(m != 0) b_m^2 P_m^2` over what it is for P = 1.
@@ -174,19 +182,53 @@ impl<'a> Seen<'a> {
         [0, 1].map(|of| lost[of].iter().zip(&measures[of]).map(ratio).collect())
     }
 
-    /// `P^2`, from the pairs up to `reach` with weights that fall to 0 there, less what the scatter of that P adds to it; `balls`
-    /// are the transforms of the balls within the edges, `measures` the measures of the shells.
+    /// `P^2`, less what the scatter of this P adds to it.
     fn squared_power(&self, balls: &[f64], measures: &[f64]) -> f64 {
+        let (p, noise) = self.power_and_noise(self.reach(), |b| (balls[b + 1] - balls[b]) / measures[b]);
+        p.powi(2) / (1.0 + noise)
+    }
+
+    fn power(&self, nu: f64, reach: f64) -> f64 {
+        let (dim, bins) = (self.dim(), &self.plan.bins);
+        let transform = |b: usize| {
+            let [lo, hi] = self.pairs[b].edges.map(|r| ball(dim, nu, r));
+            (hi - lo) / bins.shell_measure(b, dim)
+        };
+        self.power_and_noise(reach, transform).0
+    }
+
+    /// P from the pairs up to a distance, with weights that fall to 0 there, and the relative variance of it for independent points;
+    /// `mean` is the mean of a wave over the shell of a bin.
+    fn power_and_noise(&self, reach: f64, mean: impl Fn(usize) -> f64) -> (f64, f64) {
         let (mut p, mut noise) = (1.0, 0.0);
         for (b, bin) in self.pairs.iter().enumerate() {
-            let r = 0.5 * (bin.edges[0] + bin.edges[1]) / self.reach();
+            let r = 0.5 * (bin.edges[0] + bin.edges[1]) / reach;
             if r >= 1.0 {
                 break;
             }
-            let part = (1.0 - r * r).powi(2) * (balls[b + 1] - balls[b]) / measures[b] / self.n;
+            let part = (1.0 - r * r).powi(2) * mean(b) / self.n;
             p += part * (bin.found - bin.expected);
             noise += 2.0 * part * part * bin.expected;
         }
-        p.max(0.0).powi(2) / (1.0 + noise)
+        (p.max(0.0), noise)
+    }
+
+    /// What the sides of a window add to the variance of each bin and of all up to it: with f(x) the weighted measure of the part
+    /// of the shell about x that is inside, `4 (n / |D|)^2 n Var f P`, P being that of low frequencies.
+    fn edge_variances(&self, clusters: Option<&Clusters>) -> [Vec<f64>; 2] {
+        let domain = &self.plan.domain;
+        if domain.is_torus() {
+            return [vec![0.0; self.pairs.len()], vec![0.0; self.pairs.len()]];
+        }
+        let WindowEdges { distances, nearest, variances } = WindowEdges::new(self.plan);
+        let low = distances.map(|r| self.low_power(r, clusters));
+        let scale = 4.0 * self.n.powi(3) / domain.measure().powi(2);
+        variances.map(|of| of.iter().zip(&nearest).map(|(variance, &j)| scale * variance * low[j]).collect())
+    }
+
+    /// P at a quarter of a wave over r.
+    fn low_power(&self, r: f64, clusters: Option<&Clusters>) -> f64 {
+        let nu = 0.25 / r;
+        clusters.map_or_else(|| self.power(nu, self.reach().max(r)), |clusters| clusters.power(nu))
     }
 }

@@ -43,7 +43,9 @@ fn explore() {
     let which = std::env::var("W").unwrap_or_default();
     let cpu = cpu();
     for (name, params, n, dim, window, bins) in [
-        ("random", vec![], 500, 2, false, 24),
+        ("random", vec![], 500, 2, true, 24),
+        ("jittered", vec![], 1000, 3, true, 24),
+        ("random", vec![], 1000, 1, true, 24),
         ("jittered", vec![], 529, 2, false, 24),
         ("thomas", vec![], 500, 2, false, 24),
         ("thomas", vec!["mu=4", "sigma=1"], 1000, 2, false, 24),
@@ -59,12 +61,12 @@ fn explore() {
         ("jittered", vec![], 1024, 2, true, 24),
         ("thomas", vec![], 1000, 2, true, 24),
     ] {
-        if !format!("{name}{n}{dim}").contains(&which) {
+        if !format!("{name}{n}{dim}{window}").contains(&which) {
             continue;
         }
         let all = realizations(name, &params, n, dim, window);
         let domain = all[0].domain().clone();
-        let correction = if window { Correction::Translation } else { Correction::None };
+        let correction = if window { if std::env::var("C").is_ok() { Correction::Isotropic } else { Correction::Translation } } else { Correction::None };
         let mut runs = [Vec::new(), Vec::new()];
         let (mut rings, mut bands, mut clustered, mut p_clustered, mut held) = (Vec::new(), Vec::new(), 0, 0, Vec::new());
         for e in all {
