@@ -118,7 +118,8 @@ impl Clusters {
     pub(super) fn ordinate_covariance(&self, n: f64, nu: f64) -> f64 {
         let (mu, q) = (self.points, falloff(self.sigma, nu));
         let z = 8.0 * (PI * self.sigma * nu).powi(2);
-        let sum = 2.0 * over_directions(self.dim, z) + mu * (4.0 * q * over_directions(self.dim, 0.5 * z) - 3.0 * q * q);
+        let sum =
+            2.0 * over_directions(self.dim, z) + mu * (4.0 * q * over_directions(self.dim, 0.5 * z) - 3.0 * q * q);
         mu / n * sum / self.power(nu).powi(2)
     }
 }
@@ -210,4 +211,70 @@ fn golden(mut lo: f64, mut hi: f64, f: impl Fn(f64) -> f64) -> f64 {
         }
     }
     0.5 * (lo + hi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of pairs, and ring means of P, that are exactly those of clusters give them back.
+    #[test]
+    fn clusters_are_found_again() {
+        for dim in 1..=3 {
+            for (points, sigma) in [(10.0, 0.02), (2.0, 0.01)] {
+                let clusters = Clusters { dim, points, sigma };
+                let (n, norm) = (1000.0, 999_000.0);
+                let bin = |b: i32| {
+                    let edges = [0.005 * f64::from(b), 0.005 * f64::from(b + 1)];
+                    let ball = |r: f64| [2.0 * r, PI * r * r, 4.0 / 3.0 * PI * r.powi(3)][dim - 1];
+                    let expected = norm * (ball(edges[1]) - ball(edges[0]));
+                    BinPairs { edges, found: expected + clusters.pairs(norm, n, edges), expected }
+                };
+                let found = Clusters::of_pairs(dim, n, norm, &(0..60).map(bin).collect::<Vec<_>>()).unwrap();
+                let ring = |m: i32| RingPower { nu: f64::from(m), p: clusters.power(f64::from(m)), ordinates: 500.0 };
+                let of_rings = Clusters::of_rings(dim, &(1..60).map(ring).collect::<Vec<_>>()).unwrap();
+                for found in [found, of_rings] {
+                    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
+                    assert!(close(found.points, points) && close(found.sigma, sigma), "{found:?} of {clusters:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_that_keep_apart_are_no_clusters() {
+        let bin = |b: i32| {
+            let expected = 1000.0 * f64::from(2 * b + 1);
+            // None nearer than 10 bins, twice as many just beyond.
+            let found = expected
+                * if b < 10 {
+                    0.0
+                } else if b < 14 {
+                    2.0
+                } else {
+                    1.0
+                };
+            BinPairs { edges: [f64::from(b), f64::from(b + 1)], found, expected }
+        };
+        assert_eq!(Clusters::of_pairs(2, 1000.0, 1e6, &(0..40).map(bin).collect::<Vec<_>>()), None);
+        let ring = |m: i32| RingPower { nu: f64::from(m), p: if m < 20 { 0.1 } else { 1.0 }, ordinates: f64::from(m) };
+        assert_eq!(Clusters::of_rings(2, &(1..60).map(ring).collect::<Vec<_>>()), None);
+        assert_eq!((Clusters::of_pairs(2, 0.0, 0.0, &[]), Clusters::of_rings(2, &[])), (None, None));
+    }
+
+    /// Against fine sums over the angle.
+    #[test]
+    fn means_over_directions() {
+        for z in [0.0, 0.3, 4.0, 200.0] {
+            let steps = 20_000;
+            let angles = || (0..steps).map(|i| PI * (f64::from(i) + 0.5) / f64::from(steps));
+            let circle = angles().map(|t| (-z * (1.0 - t.cos())).exp()).sum::<f64>() / f64::from(steps);
+            let sphere =
+                angles().map(|t| 0.5 * t.sin() * (-z * (1.0 - t.cos())).exp()).sum::<f64>() * PI / f64::from(steps);
+            for (dim, expected) in [(2, circle), (3, sphere)] {
+                let found = over_directions(dim, z);
+                assert!((found / expected - 1.0).abs() < 1e-3, "{dim}D, {z}: {found}, expected {expected}");
+            }
+        }
+    }
 }

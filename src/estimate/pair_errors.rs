@@ -81,7 +81,7 @@ impl PairErrors {
                         let within = clusters.pairs(seen.norm, seen.n, [first, hi]);
                         2.0 * expected * ratio + clusters.pair_variance(seen.n, within)
                     }
-                    None => 2.0 * found * ratio,
+                    None => 2.0 * found * (1.0 + (ratio - 1.0) * together(found / expected, found / seen.n)),
                 } + edges[usize::from(cumulative)][b];
                 // A pair counts for its weight. No less than the variance of one unordered pair.
                 let weight = if count > 0 { found / count as f64 } else { typical };
@@ -95,6 +95,13 @@ impl PairErrors {
             cumulative: variances(true, &of_balls),
         })
     }
+}
+
+/// How much the spectrum has to say of so many pairs, as a part of those of independent points and per point. Few pairs have no
+/// point in common with another; of those that could, g^2 are there. Where a point has many, the number of points that
+/// it has near, which is what the spectrum is about, is all that matters.
+fn together(g: f64, per_point: f64) -> f64 {
+    g.min(1.0).powf(2.0 / (1.0 + per_point * per_point))
 }
 
 impl<'a> Seen<'a> {

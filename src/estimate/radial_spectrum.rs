@@ -70,7 +70,8 @@ impl RadialSpectrum {
         let clusters = clusters(plan, power, &p, &nu_mean, &exponential);
         let correlated = |k: usize| clusters.map_or(0.0, |c| c.ordinate_covariance(plan.shape.mean_points, nu_mean[k]));
         // The variance of a mean over N ordinates is that of one over N, and their covariance.
-        let ordinates: Vec<f64> = (0..exponential.len()).map(|k| 1.0 / (1.0 / exponential[k] + correlated(k))).collect();
+        let ordinates: Vec<f64> =
+            (0..exponential.len()).map(|k| 1.0 / (1.0 / exponential[k] + correlated(k))).collect();
         let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| ordinates[k]);
         let p_se = without_dc(plan, power, spectrum, &p, p_se);
         let spread = spread(plan, &spectrum.p, &p);

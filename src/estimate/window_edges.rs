@@ -117,3 +117,29 @@ fn direction(i: usize, dim: usize) -> [f64; 3] {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{EnsembleShape, RadialBins};
+
+    /// Of the two points at distance r on a line of length 1, one is outside for 2 r of all places: with weight 1 the variance of
+    /// the part that is inside is `r (1 - 2 r) / 2`.
+    #[test]
+    fn sides_of_an_interval() {
+        let domain = Domain::window(&[(2.0, 3.0)]).unwrap();
+        let shape = EnsembleShape { realizations: 1, mean_points: 10.0, max_points: 10 };
+        let bins = RadialBins::linear(0.4, 32).unwrap();
+        for correction in [Correction::None, Correction::Translation] {
+            let plan = PairPlan::new(&domain, bins.clone(), correction, shape).unwrap();
+            let edges = WindowEdges::new(&plan);
+            for b in 0..32 {
+                let (r, shell) = (bins.centres()[b], 2.0 * 0.4 / 32.0);
+                let weight = if correction == Correction::None { 1.0 } else { 1.0 / (1.0 - r) };
+                let expected = 0.5 * r * (1.0 - 2.0 * r) * (shell * weight).powi(2);
+                let found = edges.variances[0][b];
+                assert!((found - expected).abs() < 0.1 * expected, "{correction}, {r}: {found}, expected {expected}");
+            }
+        }
+    }
+}

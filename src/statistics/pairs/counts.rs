@@ -228,13 +228,14 @@ impl Group for Pairs {
             ("the kernel estimate", found.kernel().is_some()),
             ("two classes", found.cross().is_some() || found.cross_k().is_some()),
             ("g of the vector", parts.get::<Lags>().is_some()),
+            ("G and F", parts.get::<Neighborhood>().is_some()),
         ];
         let apart: Vec<&str> = apart.into_iter().filter_map(|(name, there)| there.then_some(name)).collect();
         if errors == Some(ErrorSource::ClusterTheory) && !apart.is_empty() {
             warnings.push(format!(
-                "points are clustered: errors of {} take the pairs of a single realization as independent, which those of clusters are \
-                 not: they are several times too small; give more realizations, or an envelope",
-                apart.join(" and ")
+                "points are clustered: errors of {} take all that they count in a single realization as independent, and are several \
+                 times too small; give more realizations, or an envelope",
+                apart.join(", ")
             ));
         }
         if let Some(lags) = parts.get::<Lags>().filter(|lags| lags.lags.correction != self.plan.correction) {

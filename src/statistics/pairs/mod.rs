@@ -145,11 +145,15 @@ fn of_pairs(a: &Analysis, errors: ErrorSource, of: &str) -> String {
     match errors {
         ErrorSource::AcrossRealizations => across(a, of),
         ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
-        ErrorSource::SpectralTheory => "theory, for a single realization: Poisson counts of unordered pairs, their variance \
+        ErrorSource::SpectralTheory => {
+            "theory, for a single realization: Poisson counts of unordered pairs, their variance \
                                         changed as the spectrum of these pairs says"
-            .into(),
-        ErrorSource::ClusterTheory => "theory, for a single realization of clusters: that of the Thomas process with these \
+                .into()
+        }
+        ErrorSource::ClusterTheory => {
+            "theory, for a single realization of clusters: that of the Thomas process with these \
                                        pairs, found by maximum Palm likelihood (Tanaka et al. 2008)"
-            .into(),
+                .into()
+        }
     }
 }
