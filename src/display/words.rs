@@ -20,6 +20,10 @@ pub(crate) fn error_note(source: ErrorSource, theory: &str) -> String {
     match source {
         ErrorSource::AcrossRealizations => "band: ±1 standard error across realizations".into(),
         ErrorSource::Theory => format!("band: ±1 standard error from theory ({theory})"),
+        ErrorSource::SpectralTheory => {
+            "band: ±1 standard error from theory (pairs correlated as their spectrum says)".into()
+        }
+        ErrorSource::ClusterTheory => "band: ±1 standard error from theory (of a fitted Thomas cluster process)".into(),
     }
 }
 

@@ -8,6 +8,7 @@ use crate::plan::PairPlan;
 /// `g_AB(r) = |D| sum_k c_AB / (v sum_k n_A n_B)` per bin, with `c_AB` the ordered pairs from a point of A to one of B, and
 /// `v` the measure of the shell; 1 if A and B are independent (Illian et al. 2008, section 4.3.4). Pairs are taken in both
 /// orders, over `2 n_A n_B`: the same, but where a pair's edge correction depends on its order both orders count alike.
+/// Errors of one realization are those of Poisson pairs, within classes too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossCorrelation {
     /// The names of the classes.
@@ -23,7 +24,7 @@ pub struct CrossCorrelation {
 impl CrossCorrelation {
     /// The estimates. Within a class too small for pairs g is NaN.
     pub fn new(classes: [String; 2], plan: &PairPlan, counts: &CrossCounts, normalization: Normalization) -> Self {
-        let g = |counts| PairCorrelation::new(plan, counts, normalization);
+        let g = |counts| PairCorrelation::with_errors(plan, counts, normalization, None);
         let mut between = g(&counts.between);
         between.count.iter_mut().for_each(|c| *c /= 2);
         Self { classes, a: g(&counts.a), b: g(&counts.b), between }
@@ -54,7 +55,7 @@ impl CrossK {
         normalization: Normalization,
     ) -> Option<Self> {
         let k = |counts| {
-            let k = KFunction::new(plan, counts, normalization, f64::NAN)?;
+            let k = KFunction::with_errors(plan, counts, normalization, f64::NAN, None)?;
             Some(KFunction { neighbors: Vec::new(), ..k })
         };
         Some(Self { classes, a: k(&counts.a)?, b: k(&counts.b)?, between: k(&counts.between)? })

@@ -1,6 +1,7 @@
 //! Pair counts -> Ripley's K(r), L(r) and the mean number of neighbours.
 
 use super::Analysis;
+use super::pair_errors::PairErrors;
 use super::ratio::{mean_weight, ratio};
 use super::{ErrorSource, Normalization};
 use crate::accumulate::PairCounts;
@@ -11,9 +12,10 @@ use crate::plan::PairPlan;
 /// point of an endless pattern (Ripley 1976; Illian et al. 2008, section 4.3). `L(r) = (K / b)^(1/d)`, `b r^d` being the measure of a ball
 /// (Besag 1977): `L(r) = r` for complete spatial randomness.
 ///
-/// Standard errors are across realizations. For K = 1 they are those of complete spatial randomness, with unordered pairs
+/// Standard errors are across realizations. For K = 1 they start from those of complete spatial randomness, with unordered pairs
 /// Poisson: the leading term of the variance of K (Ripley, Statistical Inference for Spatial Processes, 1988, chapter 3),
-/// exact on a torus up to 1/n; in a window edge effects add to it as r grows.
+/// exact on a torus up to 1/n; in a window edge effects add to it as r grows. The spectrum that goes with the pairs, or
+/// clusters, change them as those of g (`docs/errors.md`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct KFunction {
     /// Upper edges of the bins, in the domain's length unit.
@@ -41,6 +43,18 @@ impl KFunction {
     /// The estimate, `None` if the counts hold no cumulative sums. Bins must start at 0, which plans check. `mean_points` is
     /// the mean of n.
     pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization, mean_points: f64) -> Option<Self> {
+        counts.cumulative.as_ref()?;
+        Self::with_errors(plan, counts, normalization, mean_points, PairErrors::new(plan, counts).as_ref())
+    }
+
+    /// The estimate, with Poisson errors for K = 1 if no others are given.
+    pub(crate) fn with_errors(
+        plan: &PairPlan,
+        counts: &PairCounts,
+        normalization: Normalization,
+        mean_points: f64,
+        of_one: Option<&PairErrors>,
+    ) -> Option<Self> {
         let cumulative = counts.cumulative.as_ref()?;
         let (measure, dim) = (plan.domain.measure(), plan.domain.dim());
         let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][dim - 1];
@@ -50,8 +64,11 @@ impl KFunction {
         for bin in 0..plan.bins.len() {
             let ratio = ratio(counts, cumulative, bin, normalization);
             closer += counts.counts[bin];
-            let (value, se) =
-                (measure * ratio.sum / ratio.norm, measure * ratio.standard_error(plan, closer, typical) / ratio.norm);
+            let error = match of_one {
+                Some(errors) => errors.cumulative[bin].sqrt(),
+                None => ratio.standard_error(plan, closer, typical),
+            };
+            let (value, se) = (measure * ratio.sum / ratio.norm, measure * error / ratio.norm);
             let radius = (value / ball).powf(1.0 / dim as f64);
             k.push(value);
             k_se.push(se);
@@ -68,7 +85,7 @@ impl KFunction {
         let neighbors = k.iter().map(|k| others / measure * k).collect();
         let r = plan.bins.edges()[1..].to_vec();
         let l_minus_r = l.iter().zip(&r).map(|(l, r)| l - r).collect();
-        let errors = ErrorSource::of(counts.realizations);
+        let errors = of_one.map_or(ErrorSource::of(counts.realizations), |e| e.source);
         Some(Self { r, k, k_se, l, l_se, l_minus_r, neighbors, errors, normalization })
     }
 }

@@ -4,6 +4,7 @@ mod analysis;
 mod angular_spectrum;
 mod axis_slices;
 mod blue_noise;
+mod clusters;
 mod confidence;
 mod cross_correlation;
 mod cross_validation;
@@ -15,6 +16,7 @@ mod lag_consistency;
 mod low_frequency;
 mod neighbors;
 mod pair_correlation;
+mod pair_errors;
 mod pair_kernel;
 mod power_spectrum;
 mod psa_statistics;
@@ -25,6 +27,7 @@ mod spectrum_of_pcf;
 mod spectrum_scalars;
 mod vector_correlation;
 mod wave_covariance;
+mod window_edges;
 
 pub use analysis::{Analysis, ClosedForm, Finding, Findings};
 pub use angular_spectrum::{AngularSpectrum, SectorPower};
@@ -41,6 +44,7 @@ pub use lag_consistency::LagConsistency;
 pub use low_frequency::LowFrequency;
 pub use neighbors::{BondOrder, ClarkEvans, CrossNeighbors, NeighborDistances, NeighborFunctions, Neighbors};
 pub use pair_correlation::{Normalization, PairCorrelation};
+pub(crate) use pair_errors::PairErrors;
 pub use pair_kernel::KernelEstimate;
 pub use power_spectrum::PowerSpectrum;
 pub use psa_statistics::PsaStatistics;
@@ -59,6 +63,11 @@ pub enum ErrorSource {
     AcrossRealizations,
     /// Theory, for a single realization: Poisson pair counts; exponential periodogram ordinates.
     Theory,
+    /// Theory, for a single realization that is not clustered: Poisson pair counts, times what the spectrum that goes with
+    /// them makes of their variance.
+    SpectralTheory,
+    /// Theory, for a single realization of clusters: that of the Thomas process that goes with what was measured.
+    ClusterTheory,
 }
 
 impl ErrorSource {

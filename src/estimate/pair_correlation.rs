@@ -2,6 +2,7 @@
 
 use super::Analysis;
 use super::ErrorSource;
+use super::pair_errors::PairErrors;
 use super::ratio::{mean_weight, ratio};
 use crate::accumulate::PairCounts;
 use crate::named::named;
@@ -36,8 +37,8 @@ pub struct PairCorrelation {
     pub count: Vec<u64>,
     /// g.
     pub g: Vec<f64>,
-    /// Standard error of g. Theory, for K = 1: `g sqrt(2 / c)`, the unordered pairs being Poisson; an empty bin gets the
-    /// error of one unordered pair.
+    /// Standard error of g. Theory, for K = 1: `g sqrt(2 / c)`, the unordered pairs being Poisson, times what the spectrum that
+    /// goes with g makes of it, or that of clusters (`docs/errors.md`); an empty bin gets the error of one unordered pair.
     pub g_se: Vec<f64>,
     /// Where `g_se` comes from.
     pub errors: ErrorSource,
@@ -48,8 +49,18 @@ pub struct PairCorrelation {
 impl PairCorrelation {
     /// The estimate. With no pair of points at all (every n < 2) g is 0/0 and reported as NaN; callers check first.
     pub fn new(plan: &PairPlan, counts: &PairCounts, normalization: Normalization) -> Self {
+        Self::with_errors(plan, counts, normalization, PairErrors::new(plan, counts).as_ref())
+    }
+
+    /// The estimate, with Poisson errors for K = 1 if no others are given.
+    pub(crate) fn with_errors(
+        plan: &PairPlan,
+        counts: &PairCounts,
+        normalization: Normalization,
+        of_one: Option<&PairErrors>,
+    ) -> Self {
         let bins = &plan.bins;
-        let errors = ErrorSource::of(counts.realizations);
+        let errors = of_one.map_or(ErrorSource::of(counts.realizations), |e| e.source);
         let mut g = Vec::with_capacity(bins.len());
         let mut g_se = Vec::with_capacity(bins.len());
         let typical = mean_weight(counts);
@@ -58,7 +69,11 @@ impl PairCorrelation {
             // Ordered pairs (or their weight) expected under complete randomness.
             let expected = plan.shell_measure(b) / plan.domain.measure() * ratio.norm;
             g.push(ratio.sum / expected);
-            g_se.push(ratio.standard_error(plan, counts.counts[b], typical) / expected);
+            let error = match of_one {
+                Some(errors) => errors.bins[b].sqrt(),
+                None => ratio.standard_error(plan, counts.counts[b], typical),
+            };
+            g_se.push(error / expected);
         }
         let edges = bins.edges();
         Self {

@@ -53,7 +53,7 @@ impl KernelEstimate {
                         totals.sum_squares[k] - 2.0 * ratio * totals.products[which][k] + ratio * ratio * norm_squared;
                     ratio_standard_error(sums.realizations, residuals, 1.0)
                 }
-                ErrorSource::Theory => totals.squares[k].sqrt(),
+                _ => totals.squares[k].sqrt(),
             };
             bound = bound.max(scale * totals.bounds[k]);
             (Some(scale * totals.sums[k]), Some(scale * error))

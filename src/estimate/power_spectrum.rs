@@ -89,13 +89,13 @@ pub(super) fn ratio_estimate(
         .map(|i| {
             let ratio = moments.q[i] / n1;
             let se = match errors {
-                ErrorSource::Theory => ratio / independent(i).sqrt(),
                 ErrorSource::AcrossRealizations => {
                     let residuals = moments.q_squared[i] - 2.0 * ratio * moments.q_n[i] + ratio * ratio * n2;
                     // What remains of three sums that agree to their last digits is rounding, not variance.
                     let noise = 8.0 * f64::EPSILON * moments.q_squared[i];
                     ratio_standard_error(power.realizations, if residuals <= noise { 0.0 } else { residuals }, n1)
                 }
+                _ => ratio / independent(i).sqrt(),
             };
             (ratio / members(i), se / members(i))
         })

@@ -1,6 +1,7 @@
 //! Wave power -> radial mean and anisotropy.
 
 use super::Analysis;
+use super::clusters::{Clusters, RingPower};
 use super::confidence::Band;
 use super::power_spectrum::{ratio_estimate, realizations};
 use super::{ErrorSource, PowerSpectrum};
@@ -30,9 +31,9 @@ pub struct Ring {
     /// Mean of P over the ring.
     pub p: f64,
     /// Standard error of `p`: across realizations, or for K = 1 `p / sqrt(independent_modes)`, times the root of
-    /// `TaperPlan::ring_variance` for tapers.
+    /// `TaperPlan::ring_variance` for tapers, and of as many fewer modes as clusters correlate them (`docs/errors.md`).
     pub p_se: f64,
-    /// Confidence band of `p`.
+    /// Confidence band of `p`, of as many modes.
     pub band: Option<Band>,
     /// `10 log10(s^2 / p^2)` in dB, `s^2` the variance (ddof 1) of the K-averaged P over the ring's independent modes.
     /// `None` where undefined: a single independent mode, no spread at all, or P below what the accuracy resolves.
@@ -62,9 +63,17 @@ impl RadialSpectrum {
     pub fn new(plan: &WavePlan, power: &WavePower, spectrum: &PowerSpectrum) -> Self {
         let ring_moments = power.ring_totals();
         let modes = |k: usize| plan.rings.modes[k] as f64;
-        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| ordinates(plan, k));
-        let p_se = without_dc(plan, power, spectrum, &p, p_se);
         let nu_mean = mean_frequencies(plan);
+        let exponential: Vec<f64> =
+            (0..plan.rings.count).map(|k| plan.rings.independent[k] as f64 / plan.ring_variance()).collect();
+        let (p, _) = ratio_estimate(power, &ring_moments, modes, |k| exponential[k]);
+        let clusters = clusters(plan, power, &p, &nu_mean, &exponential);
+        let correlated = |k: usize| clusters.map_or(0.0, |c| c.ordinate_covariance(plan.shape.mean_points, nu_mean[k]));
+        // The variance of a mean over N ordinates is that of one over N, and their covariance.
+        let ordinates: Vec<f64> =
+            (0..exponential.len()).map(|k| 1.0 / (1.0 / exponential[k] + correlated(k))).collect();
+        let (p, p_se) = ratio_estimate(power, &ring_moments, modes, |k| ordinates[k]);
+        let p_se = without_dc(plan, power, spectrum, &p, p_se);
         let spread = spread(plan, &spectrum.p, &p);
         let realizations = realizations(power);
         let averaged = realizations.effective * plan.tapers();
@@ -92,7 +101,7 @@ impl RadialSpectrum {
                     independent_modes: independent,
                     p: p[k],
                     p_se: p_se[k],
-                    band: Band::new(p[k], p_se[k], realizations, ordinates(plan, k)),
+                    band: Band::new(p[k], p_se[k], realizations, ordinates[k]),
                     anisotropy_db: match plan.conventions.anisotropy {
                         AnisotropyRule::Absent => None,
                         AnisotropyRule::AllModes if plan.conventions.bug_compatible && !resolved => Some(0.0),
@@ -112,9 +121,22 @@ impl RadialSpectrum {
                 _ => 0.0 - 10.0 * averaged.log10(),
             },
             realizations: realizations.effective,
-            errors: ErrorSource::of(power.realizations),
+            errors: match ErrorSource::of(power.realizations) {
+                ErrorSource::Theory if clusters.is_some() => ErrorSource::ClusterTheory,
+                errors => errors,
+            },
         }
     }
+}
+
+/// The clusters that ring means of P show; none are looked for in a window, whose tapers smooth P.
+fn clusters(plan: &WavePlan, power: &WavePower, p: &[f64], nu: &[f64], ordinates: &[f64]) -> Option<Clusters> {
+    if plan.tapered().is_some() {
+        return None;
+    }
+    let known = |k: usize| RingPower { nu: nu[k], p: p[k], ordinates: ordinates[k] * realizations(power).effective };
+    let rings: Vec<RingPower> = (0..p.len()).map(known).filter(|ring| ring.nu > 0.0 && ring.ordinates > 0.0).collect();
+    Clusters::of_rings(plan.domain.dim(), &rings)
 }
 
 /// Per ring, the mean of `|m / L|` over its members.
@@ -133,11 +155,6 @@ fn mean_frequencies(plan: &WavePlan) -> Vec<f64> {
 /// `x` without the rounding of a product divided again.
 fn whole(x: f64) -> f64 {
     if (x - x.round()).abs() <= 1e-9 * x { x.round() } else { x }
-}
-
-/// Independent exponential ordinates in ring k.
-fn ordinates(plan: &WavePlan, k: usize) -> f64 {
-    plan.rings.independent[k] as f64 / plan.ring_variance()
 }
 
 /// The theory's standard errors, where DC is a member of its ring: it is the same for all points, so that only the others

@@ -96,8 +96,13 @@ impl SpectrumOfPcf {
 
 /// The Fourier transform at `x > 0` of the shell between radii `lo` and `hi`.
 fn shell(dim: usize, x: f64, lo: f64, hi: f64) -> f64 {
+    ball(dim, x, hi) - ball(dim, x, lo)
+}
+
+/// The Fourier transform at `x > 0` of the ball of radius r.
+pub(super) fn ball(dim: usize, x: f64, r: f64) -> f64 {
     let k = 2.0 * std::f64::consts::PI * x;
-    let to = |r: f64| match dim {
+    match dim {
         1 => 2.0 * (k * r).sin() / k,
         2 => r * libm::j1(k * r) / x,
         _ => {
@@ -110,8 +115,7 @@ fn shell(dim: usize, x: f64, lo: f64, hi: f64) -> f64 {
             };
             4.0 * std::f64::consts::PI / k.powi(3) * part
         }
-    };
-    to(hi) - to(lo)
+    }
 }
 
 #[cfg(test)]

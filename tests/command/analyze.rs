@@ -134,17 +134,25 @@ fn quiet_is_silent_and_stdin_is_a_file() {
     assert!(std::fs::read_to_string(scratch.path("o/summary.json")).unwrap().contains("2"));
 }
 
+/// Errors of g and K know of clusters; those of other sums of pairs do not, and say so.
 #[test]
-fn clusters_of_a_single_realization_are_a_warning() {
+fn clusters_of_a_single_realization_are_named() {
     let scratch = Scratch::new();
-    let warned = |flags: &str| {
+    let errors = |flags: &str| {
         scratch.ok(&format!("analyze --sampler {flags} --stats pcf --device cpu --force --out out"));
-        summary(&scratch.path("out"))["warnings"].to_string().contains("points are clustered: ")
+        let summary = summary(&scratch.path("out"));
+        (
+            summary["pair_correlation"]["errors"].clone(),
+            summary["warnings"].to_string().contains("points are clustered: "),
+        )
     };
-    assert!(warned("thomas -n 500"));
-    assert!(!warned("thomas -n 500 -k 2"), "errors are across realizations");
+    assert_eq!(errors("thomas -n 500"), ("cluster-theory".into(), false));
+    assert_eq!(errors("thomas -n 500 --kernel epanechnikov"), ("cluster-theory".into(), true));
+    assert_eq!(errors("thomas -n 500 -k 2 --kernel epanechnikov"), ("across-realizations".into(), false));
     for seed in 1..20 {
-        assert!(!warned(&format!("random -n 500 --seed {seed}")), "{seed}");
+        assert_eq!(errors(&format!("random -n 500 --seed {seed}")), ("spectral-theory".into(), false), "{seed}");
     }
-    assert!(!warned("jittered -n 484") && !warned("grid -n 484"));
+    for regular in ["jittered -n 484", "grid -n 484", "poisson-disk -n 484"] {
+        assert_eq!(errors(regular), ("spectral-theory".into(), false), "{regular}");
+    }
 }

@@ -13,6 +13,7 @@ mod pair_correlation;
 mod pair_kernel;
 mod power_spectrum;
 mod shared;
+mod single_realization;
 mod spectrum_details;
 mod taper;
 mod vector_correlation;

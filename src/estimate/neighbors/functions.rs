@@ -76,8 +76,8 @@ fn estimate(sums: &DistributionSums, i: usize, points: f64) -> Estimate {
             let residuals = residuals(sums, i) / (COUNT_STEPS * COUNT_STEPS);
             ratio_standard_error(sums.realizations, residuals, norm)
         }
-        ErrorSource::Theory if at_risk > 0.0 => (1.0 - value) * (value / (at_risk * points.min(norm) / norm)).sqrt(),
-        ErrorSource::Theory => 0.0,
+        _ if at_risk > 0.0 => (1.0 - value) * (value / (at_risk * points.min(norm) / norm)).sqrt(),
+        _ => 0.0,
     };
     Some((value, error))
 }

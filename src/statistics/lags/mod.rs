@@ -49,7 +49,7 @@ impl Room for Here {
         if let Some(vector) = a.vector() {
             let text = match vector.errors {
                 ErrorSource::AcrossRealizations => across(a, "each cell's <i>g</i>, and of each sector's"),
-                ErrorSource::Theory => {
+                _ => {
                     "theory, for a single realization: Poisson counts of unordered pairs, a cell and its mirror image being one"
                         .into()
                 }

@@ -96,7 +96,7 @@ impl Room for Here {
             }
             let text = match neighbors.functions.errors {
                 ErrorSource::AcrossRealizations => across(a, "each distance's <i>G</i> and <i>F</i>"),
-                ErrorSource::Theory => {
+                _ => {
                     "theory, for a single realization: binomial, as if the distances of all points were independent; for \
                      <i>F</i> as of only as many test points as there are points"
                         .into()

@@ -7,9 +7,8 @@ use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, PairCounts, PairHistogram, Sums};
 use crate::compute::{Compute, Session};
-use crate::display::human;
 use crate::error::{Error, Result, number};
-use crate::estimate::{Analysis, KFunction, Normalization, PairCorrelation};
+use crate::estimate::{Analysis, ErrorSource, KFunction, Normalization, PairCorrelation, PairErrors};
 use crate::plan::{Batch, BinScale, Correction, PairPlan, PairSettings, RadialBins};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Request, Statistic};
@@ -30,6 +29,8 @@ pub(crate) struct Pairs {
     pub(crate) plan: PairPlan,
     /// Whether g is wanted, not only K.
     pub(crate) pcf: bool,
+    /// Whether errors of one realization know that its points are correlated: those of simulations do not, since nobody reads them.
+    correlated: bool,
     /// The finest bins that were asked for while the measurement goes on; every realization is counted in them and kept, so
     /// that it can be binned anew.
     finest: Option<PairPlan>,
@@ -72,7 +73,7 @@ impl Pairs {
             }
             (other, _) => other,
         })?;
-        Ok(Self { plan, pcf: ask.wants(Statistic::Pcf), finest: None })
+        Ok(Self { plan, pcf: ask.wants(Statistic::Pcf), correlated: true, finest: None })
     }
 }
 
@@ -140,31 +141,6 @@ pub(crate) fn identity(plan: &PairPlan) -> Value {
     })
 }
 
-/// From so many standard errors of independent points on, pairs closer than some r are too many for them.
-const CLUSTERED: f64 = 6.0;
-
-impl Pairs {
-    /// The r within which pairs are most surely more than independent points have, and how many times more.
-    fn clusters(&self, sums: &PairCounts) -> Option<(f64, f64)> {
-        let (mut found, mut expected, mut most) = (0.0, 0.0, None);
-        let norm = |bin: usize| sums.bins.norm(bin)[0].sum as f64 / 2f64.powi(sums.steps.norm_bits as i32);
-        for bin in 0..self.plan.bins.len() {
-            found += sums.sum(bin);
-            expected += self.plan.shell_measure(bin) / self.plan.domain.measure() * norm(bin);
-            // Points that keep apart have shells with too many others further out.
-            if found < expected && expected > 16.0 {
-                break;
-            }
-            // Ordered pairs come in twos.
-            let z = (found - expected) / (2.0 * expected.max(2.0)).sqrt();
-            if z > most.map_or(CLUSTERED, |(_, _, z)| z) {
-                most = Some((self.plan.bins.edges()[bin + 1], found / expected, z));
-            }
-        }
-        most.map(|(r, times, _)| (r, times))
-    }
-}
-
 impl Group for Pairs {
     type Sums = PairSums;
 
@@ -202,17 +178,19 @@ impl Group for Pairs {
     fn estimate(&self, sums: &PairSums, subject: &Subject<'_>, found: &mut Analysis) {
         let (request, sums) = (subject.request, &sums.counts);
         found.correction = self.plan.correction;
+        let errors = self.correlated.then(|| PairErrors::new(&self.plan, sums)).flatten();
         if self.pcf {
-            let g = PairCorrelation::new(&self.plan, sums, request.normalization);
+            let g = PairCorrelation::with_errors(&self.plan, sums, request.normalization, errors.as_ref());
             let g = g.labelled(&self.plan, &request.conventions());
             found.closed_form.g = closed_form(subject, &g);
             found.findings.insert(g);
         }
         let mean_points = subject.shape.mean_points;
-        found.findings.add(KFunction::new(&self.plan, sums, request.normalization, mean_points));
+        let (normalization, errors) = (request.normalization, errors.as_ref());
+        found.findings.add(KFunction::with_errors(&self.plan, sums, normalization, mean_points, errors));
     }
 
-    fn warnings(&self, sums: &PairSums, subject: &Subject<'_>, parts: &Parts, _: &Analysis) -> Vec<String> {
+    fn warnings(&self, sums: &PairSums, subject: &Subject<'_>, parts: &Parts, found: &Analysis) -> Vec<String> {
         let (sums, one) = (&sums.counts, subject.shape.realizations == 1);
         let mut warnings = Vec::new();
         let empty = sums.counts.iter().filter(|&&c| c == 0).count();
@@ -245,12 +223,19 @@ impl Group for Pairs {
                            points they are too small";
             warnings.push(warning.to_string());
         }
-        if let Some((r, times)) = self.clusters(sums).filter(|_| one) {
+        let errors = found.pair_correlation().map(|g| g.errors).or(found.k_function().map(|k| k.errors));
+        let apart = [
+            ("the kernel estimate", found.kernel().is_some()),
+            ("two classes", found.cross().is_some() || found.cross_k().is_some()),
+            ("g of the vector", parts.get::<Lags>().is_some()),
+            ("G and F", parts.get::<Neighborhood>().is_some()),
+        ];
+        let apart: Vec<&str> = apart.into_iter().filter_map(|(name, there)| there.then_some(name)).collect();
+        if errors == Some(ErrorSource::ClusterTheory) && !apart.is_empty() {
             warnings.push(format!(
-                "points are clustered: {times:.2} times the pairs of independent points within {}. Errors of a single realization take \
-                 pairs as independent, which those of clusters are not: of g and K they are several times too small; give more \
-                 realizations, or an envelope",
-                human(r)
+                "points are clustered: errors of {} take all that they count in a single realization as independent, and are several \
+                 times too small; give more realizations, or an envelope",
+                apart.join(", ")
             ));
         }
         if let Some(lags) = parts.get::<Lags>().filter(|lags| lags.lags.correction != self.plan.correction) {
@@ -269,7 +254,7 @@ impl Group for Pairs {
     }
 
     fn in_simulations(&self) -> Option<Self> {
-        Some(self.clone())
+        Some(Self { correlated: false, ..self.clone() })
     }
 
     fn curve_values(&self) -> usize {

@@ -89,34 +89,24 @@ impl Room for Here {
     fn errors(&self, a: &Analysis) -> Vec<Row> {
         let mut rows = Vec::new();
         if let Some(pcf) = a.pair_correlation() {
-            let text = match pcf.errors {
-                ErrorSource::AcrossRealizations => across(a, "each bin's <i>g</i>"),
-                ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
-            };
-            rows.push(("<i>g</i>(<i>r</i>)".into(), text));
+            rows.push(("<i>g</i>(<i>r</i>)".into(), of_pairs(a, pcf.errors, "each bin's <i>g</i>")));
         }
         if let Some(cross) = a.cross() {
-            let text = match cross.between.errors {
-                ErrorSource::AcrossRealizations => across(a, "each bin's <i>g</i>"),
-                ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
-            };
-            rows.push(("<i>g</i> of two classes".into(), text));
+            rows.push(("<i>g</i> of two classes".into(), of_pairs(a, cross.between.errors, "each bin's <i>g</i>")));
         }
         if let Some(k) = a.k_function().or(a.cross_k().map(|cross| &cross.between)) {
-            let text = match k.errors {
-                ErrorSource::AcrossRealizations => across(a, "<i>K</i>"),
-                ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs, as for \
-                                        independent points; edge effects of a window add to it as <i>r</i> grows"
-                    .into(),
+            let text = of_pairs(a, k.errors, "<i>K</i>");
+            let edges = if a.domain.is_torus() || k.errors == ErrorSource::AcrossRealizations {
+                ""
+            } else {
+                "; edge effects of the window add to it as <i>r</i> grows"
             };
-            rows.push(("<i>K</i>(<i>r</i>), <i>L</i>(<i>r</i>)".into(), text));
+            rows.push(("<i>K</i>(<i>r</i>), <i>L</i>(<i>r</i>)".into(), format!("{text}{edges}")));
         }
         if let Some(kernel) = a.kernel() {
             let text = match kernel.errors {
                 ErrorSource::AcrossRealizations => across(a, "the estimate at each <i>r</i>"),
-                ErrorSource::Theory => {
-                    "theory, for a single realization: as if all pairs were independent (Poisson)".into()
-                }
+                _ => "theory, for a single realization: as if all pairs were independent (Poisson)".into(),
             };
             rows.push(("kernel estimate".into(), text));
         }
@@ -151,5 +141,23 @@ impl Room for Here {
             lines.push(format!("K(r): {} further points within {} of a point, on average", human(neighbors), human(r)));
         }
         lines
+    }
+}
+
+/// What errors of sums of pairs rest on, `of` being what scatters across realizations.
+fn of_pairs(a: &Analysis, errors: ErrorSource, of: &str) -> String {
+    match errors {
+        ErrorSource::AcrossRealizations => across(a, of),
+        ErrorSource::Theory => "theory, for a single realization: Poisson counts of unordered pairs".into(),
+        ErrorSource::SpectralTheory => {
+            "theory, for a single realization: Poisson counts of unordered pairs, their variance \
+                                        changed as the spectrum of these pairs says"
+                .into()
+        }
+        ErrorSource::ClusterTheory => {
+            "theory, for a single realization of clusters: that of the Thomas process with these \
+                                       pairs, found by maximum Palm likelihood (Tanaka et al. 2008)"
+                .into()
+        }
     }
 }

@@ -89,7 +89,12 @@ impl Room for Here {
         if let Some(radial) = a.radial() {
             let text = match radial.errors {
                 ErrorSource::AcrossRealizations => across(a, "each ring's mean of <i>P</i>"),
-                ErrorSource::Theory => {
+                ErrorSource::ClusterTheory => {
+                    "theory, for a single realization of clusters: exponential ordinates, correlated as in the Thomas process \
+                     with this <i>P</i> (Whittle likelihood)"
+                        .into()
+                }
+                _ => {
                     "theory, for a single realization: independent exponential ordinates, <i>P</i> / √(independent modes)"
                         .into()
                 }
