@@ -8,7 +8,7 @@ use pairwave::control::Control;
 use pairwave::estimate::{ErrorSource, KFunction, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum};
 use pairwave::plan::{Accuracy, Correction, PairPlan, PairSettings, RadialBins};
 use pairwave::points::{Domain, Ensemble};
-use pairwave::samplers::{Process, Realization};
+use pairwave::samplers::Process;
 
 const RUNS: u64 = 200;
 
@@ -20,11 +20,10 @@ type Values = (Vec<f64>, Vec<f64>);
 
 /// Realizations of a process on the unit torus, as they are or as if they had been seen through the window of that size.
 fn realizations(sampler: &str, params: &[&str], n: u64, dim: usize, window: bool) -> Vec<Ensemble> {
-    let params: Vec<String> = params.iter().map(|p| p.to_string()).collect();
-    let p = Process::new(sampler, n, RUNS, dim, 7, &params).unwrap();
+    let process = Process::new(sampler, n, RUNS, dim, 7, params).unwrap();
     let domain = if window { Domain::window(&vec![(0.0, 1.0); dim]).unwrap() } else { Domain::unit_torus(dim) };
     let one = |index| {
-        let points = p.sampler.generate(&Realization { n, dim, seed: 7, index }, &p.values).unwrap();
+        let points = process.coordinates(index, &Control::default()).unwrap();
         ensemble_in(&domain, &[raw(dim, points)])
     };
     (0..RUNS).map(one).collect()
