@@ -80,6 +80,7 @@ mod pool;
 pub mod report;
 pub mod request;
 pub mod samplers;
+pub mod selftest;
 mod setting;
 mod sinc;
 pub mod source;

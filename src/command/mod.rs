@@ -6,6 +6,7 @@ mod out_of_memory;
 mod progress;
 mod sample;
 mod samplers;
+mod selftest;
 
 use pairwave::Result;
 
@@ -22,6 +23,8 @@ pub(crate) enum Command {
     Samplers(samplers::Samplers),
     /// List the compute devices and what the self-check finds
     Devices,
+    /// Hold what a device measures against what is known in closed form
+    Selftest(selftest::Selftest),
 }
 
 impl Command {
@@ -31,6 +34,7 @@ impl Command {
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),
             Self::Devices => devices::run(),
+            Self::Selftest(selftest) => selftest.run(),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 21] = [
+pub const FLOORS: [&str; 22] = [
     "setting",
     "named",
     "sinc",
@@ -21,6 +21,7 @@ pub const FLOORS: [&str; 21] = [
     "request",
     "source",
     "compute",
+    "selftest",
     "display",
     "statistics",
     "report",
