@@ -176,3 +176,73 @@ fn probability(samples: &[Vec<f64>], tolerance: f64) -> Option<f64> {
     let varied: Vec<Vec<f64>> = samples.iter().map(|s| free.iter().map(|&r| s[r]).collect()).collect();
     Some(Hotelling::new(&varied).map_or(1.0, |test| test.p_value))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accumulate::{ComputedBy, LagCounts, PairCounts, WavePower};
+    use crate::compute::Pending;
+    use crate::compute::cpu::Cpu;
+    use crate::plan::LagPlan;
+    use crate::points::Ensemble;
+
+    /// A device that loses one pair in fifty of one bin.
+    struct Forgetful(Cpu);
+
+    impl Compute for Forgetful {
+        fn computed_by(&self) -> ComputedBy {
+            self.0.computed_by()
+        }
+
+        fn pair_counts<'a>(
+            &'a self,
+            plan: &'a PairPlan,
+            points: &'a Ensemble,
+            control: &'a Control,
+        ) -> Pending<'a, PairCounts> {
+            Box::pin(async move {
+                let mut counts = self.0.pair_counts(plan, points, control).await?;
+                counts.counts[5] -= counts.counts[5] / 50;
+                Ok(counts)
+            })
+        }
+
+        fn lag_counts<'a>(
+            &'a self,
+            plan: &'a LagPlan,
+            points: &'a Ensemble,
+            control: &'a Control,
+        ) -> Pending<'a, LagCounts> {
+            self.0.lag_counts(plan, points, control)
+        }
+
+        fn wave_power<'a>(
+            &'a self,
+            plan: &'a WavePlan,
+            points: &'a Ensemble,
+            control: &'a Control,
+        ) -> Pending<'a, WavePower> {
+            self.0.wave_power(plan, points, control)
+        }
+    }
+
+    #[test]
+    fn a_device_that_loses_pairs_is_found() {
+        let found = |compute: Box<dyn Compute>| {
+            let process = Process::new("jittered", 64, 400, 2, 20, &[]).unwrap();
+            let control = Control::default();
+            crate::control::wait(claims(&process, 8, compute.as_ref(), &control)).unwrap()
+        };
+        let cpu = || Cpu::new(Some(1)).unwrap();
+        assert!(found(Box::new(cpu())).iter().all(|(_, p)| *p >= FALSE_ALARM));
+        let faulty = found(Box::new(Forgetful(cpu())));
+        assert!(faulty[0].1 >= FALSE_ALARM && faulty[1].1 < FALSE_ALARM, "{faulty:?}");
+    }
+
+    #[test]
+    fn what_cannot_vary_is_held_to_its_bound() {
+        assert_eq!(probability(&[vec![0.0], vec![1e-10]], 0.0), Some(1.0));
+        assert_eq!(probability(&[vec![1e-3], vec![1e-3]], 1e-6), Some(0.0));
+        assert_eq!(probability(&[vec![]], 0.0), None);
+    }
+}

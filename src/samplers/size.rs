@@ -20,6 +20,8 @@ impl Size {
     /// n = k^d.
     pub(super) const POWER: Self =
         Self::new("k^d", |n, dim| power_below(n, dim, |k| k), |n, dim| power_above(n, dim, |k| k));
+    /// n = k^2.
+    pub(super) const SQUARE: Self = Self { words: "k^2", ..Self::POWER };
     /// n = (2 k + 1)^d.
     pub(super) const ODD_POWER: Self = Self::new(
         "(2 k + 1)^d",

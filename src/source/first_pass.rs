@@ -155,7 +155,7 @@ impl<'a> FirstPass<'a> {
     fn warnings(&self, domain: &Domain) -> Vec<String> {
         let mut warnings = self.notes.clone();
         if self.more_notes > 0 {
-            warnings.push(format!("{} of this kind about other files", plural(self.more_notes as u64, "more remark")));
+            warnings.push(format!("{} of this kind about other files", plural(self.more_notes, "more remark")));
         }
         let points: u64 = self.sizes.iter().sum();
         if self.request.wrap {

@@ -116,7 +116,7 @@ impl Points {
             if request.domain == Some(Boundary::Window) {
                 return Err(Error::setting(Setting::Domain, "window", "samplers fill a torus; a window needs files"));
             }
-            let domain = domain(request, None, dim)?;
+            let domain = if dim > 3 { Domain::unit_torus(dim) } else { domain(request, None, dim)? };
             return Self::sampled_with(process, domain, control);
         }
         refuse_settings_of_samplers(request)?;
@@ -251,6 +251,10 @@ impl Points {
     }
 
     fn sampled_with(process: Process, domain: Domain, control: &Control) -> Result<Self> {
+        if process.dim != domain.dim() || process.dim > 3 {
+            let reason = "points are measured in 1 to 3 dimensions; pairwave sample writes those of more";
+            return Err(Error::setting(Setting::Dim, process.dim, reason));
+        }
         let Process { n, dim, seed, realizations, ref name, ref parameters, .. } = process;
         let (shape, fewest) = if process.fixed_n {
             (EnsembleShape { realizations, mean_points: n as f64, max_points: n }, n)
@@ -336,10 +340,10 @@ impl Points {
 
     /// What was read, in a line: how many points and realizations, in what, from what.
     pub fn first_line(&self) -> String {
-        let EnsembleShape { realizations, mean_points, max_points } = self.shape;
+        let EnsembleShape { realizations, max_points, .. } = self.shape;
         let n = match self.fewest {
             fewest if fewest == max_points => max_points.to_string(),
-            fewest => format!("{fewest}..{max_points}, mean {}", number(mean_points)),
+            fewest => format!("{fewest}..{max_points}"),
         };
         let from = self.input.as_ref().map_or_else(String::new, |input| format!(": {}", input.words()));
         let (dim, domain, subject) = (self.domain.dim(), &self.domain, &self.subject);

@@ -613,38 +613,13 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze --sampler jitterd -n 64",
             2,
-            "--sampler jitterd: no such sampler (did you mean jittered?); expected one of random, poisson, grid, hexagonal,",
+            "--sampler jitterd: no such sampler (did you mean jittered?); expected one of random, poisson, grid, hexagonal, fcc, bcc, perturbed-grid, jittered, cmj, lhs, cell, halton, hammersley, sobol, pmj02, lattice, fibonacci, kronecker, poisson-disk, maximal-poisson-disk, matern-i, matern-ii, best-candidate, lloyd, fpo, stealthy, thomas, matern-cluster, cauchy-cluster, lgcp, gaussian-dpp, fourier-dpp, ginibre",
         ),
         (
-            "sample lattice -n 10 --param a=10 --out x.csv",
+            "analyze --sampler halton -n 64 --dim 5",
             2,
-            "--param a=10: a of lattice is a whole number from 1 to n - 1 = 9",
+            "--dim 5: points are measured in 1 to 3 dimensions; pairwave sample writes those of more",
         ),
-        (
-            "sample matern-ii -n 100 --param radius=0.6 --out x.csv",
-            2,
-            "--param radius=0.6: radius of matern-ii in 2D is below 0.525:",
-        ),
-        (
-            "sample stealthy -n 100 --param nu0=2 --out x.csv",
-            2,
-            "--param nu0=2: constrains 6.35 of the degrees of freedom of 100 points in 2D",
-        ),
-        (
-            "sample stealthy -n 100 --param iterations=2 --out x.csv",
-            2,
-            "--param iterations=2: stealthy points did not converge",
-        ),
-        (
-            "sample lgcp -n 100 --param cells=65 --out x.csv",
-            2,
-            "--param cells=65: cells of lgcp is a power of 2; the nearest are 64 and 128",
-        ),
-        ("sample ginibre -n 4000 --out x.csv", 2, "-n 4000: ginibre in 2D needs n = 4 to 2048; the nearest is 2048"),
-        ("sample fcc -n 32 --out x.csv", 2, "--dim 2: fcc is there in 3 dimensions only"),
-        ("sample halton -n 32 --dim 17 --out x.csv", 2, "--dim 17: halton: expected 1 to 16"),
-        ("sample jittered -n 9 --threads 0 --out x.csv", 2, "--threads 0: expected 1 to 4096"),
-        ("samplers jitered", 2, "--sampler jitered: no such sampler (did you mean jittered?)"),
         ("analyze --sampler jittered -n 65", 2, "-n 65: jittered in 2D needs n = k^2; the nearest are 64 and 81"),
         (
             "analyze ok.csv --stats spectrum --frequencies half.txt",

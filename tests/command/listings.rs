@@ -29,7 +29,7 @@ fn samples_are_written_in_order_by_any_number_of_threads() {
     let scratch = Scratch::new();
     for name in ["thomas", "sobol", "poisson-disk"] {
         let write = |threads: u32, k: u32| {
-            scratch.ok(&format!("sample {name} -n 50 -k {k} --threads {threads} --out {name}-{threads}-{k}.csv"));
+            scratch.ok(&format!("sample {name} -n 200 -k {k} --threads {threads} --out {name}-{threads}-{k}.csv"));
             std::fs::read_to_string(scratch.path(&format!("{name}-{threads}-{k}.csv"))).unwrap()
         };
         let one = write(1, 40);
@@ -82,4 +82,48 @@ fn a_sampler_and_its_file_are_measured_alike() {
         assert_eq!(columns(&drawn), columns(&read), "{file}");
     }
     assert_eq!(summary(&scratch.path("drawn"))["points"], summary(&scratch.path("read"))["points"]);
+}
+
+#[test]
+fn what_cannot_be_drawn_says_what_can() {
+    let scratch = Scratch::new();
+    for (arguments, code, message) in [
+        ("lattice -n 10 --param a=10", 2, "--param a=10: a of lattice is a whole number from 1 to n - 1 = 9"),
+        (
+            "matern-ii -n 100 --param radius=0.6",
+            2,
+            "--param radius=0.6: radius of matern-ii in 2D is below 0.525: no density",
+        ),
+        ("stealthy -n 100 --param nu0=2", 2, "--param nu0=2: constrains "),
+        (
+            "stealthy -n 100 --param iterations=2",
+            2,
+            "--param iterations=2: stealthy points did not converge: the largest P",
+        ),
+        (
+            "lgcp -n 100 --param cells=65",
+            2,
+            "--param cells=65: cells of lgcp is a power of 2; the nearest are 64 and 128",
+        ),
+        ("ginibre -n 4000", 2, "-n 4000: ginibre in 2D needs n = 4 to 2048; the nearest is 2048"),
+        ("fcc -n 32", 2, "--dim 2: fcc is there in 3 dimensions only"),
+        ("halton -n 32 --dim 17", 2, "--dim 17: halton: expected 1 to 16"),
+        ("jittered -n 9 --threads 0", 2, "--threads 0: expected 1 to 4096"),
+        ("jitered -n 9", 2, "--sampler jitered: no such sampler (did you mean jittered?)"),
+        ("thomas -n 9 --param mu=0", 2, "--param mu=0: mu of thomas is a number from 0.01 to 1000000 (default 10)"),
+    ] {
+        let run = scratch.run(&format!("sample {arguments} --out x.csv"));
+        let said = String::from_utf8(run.stderr).unwrap();
+        assert_eq!(run.status.code(), Some(code), "{arguments}: {said}");
+        assert!(said.starts_with(&format!("error: {message}")), "{arguments}: {said}");
+        assert!(!scratch.path("x.csv").exists());
+    }
+}
+
+#[test]
+fn devices_measure_what_closed_forms_say() {
+    let scratch = Scratch::new();
+    let json: serde_json::Value = serde_json::from_str(&scratch.ok("selftest --device cpu --json")).unwrap();
+    let checks = json["checks"].as_array().unwrap();
+    assert!(checks.len() > 30 && checks.iter().all(|check| check["holds"] == true), "{json:#}");
 }

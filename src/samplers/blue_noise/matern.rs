@@ -29,7 +29,7 @@ use crate::samplers::{Accepts, Entry, Family, Given, Number, Parameter, Realizat
 use crate::setting::Setting;
 use crate::sinc::sinc;
 
-const FORMULAS: &str = "P = 1 + (1/n) int (rho_2 - n^2) exp(-2 pi i m.r) dr, g and Var n alike, exact while 4 R <= 1";
+const FORMULAS: &str = "P = 1 + (1/n) int (rho_2 - n^2) exp(-2 pi i m.r) dr, Var n = n P(0), g = rho_2 / (n^2 - n + Var n), exact while 4 R <= 1";
 
 pub(in crate::samplers) static TYPE_I: Entry = Entry {
     source: "Matern 1960",

@@ -81,11 +81,23 @@ fn coprime(mut a: u64, mut b: u64) -> bool {
     a == 1
 }
 
-/// The square of the length of the shortest vector of the lattice spanned by (1, a) and (0, n), by Gauss's reduction.
+/// The square of the length of the shortest vector of the lattice spanned by (1, a) and (0, n), by Gauss's reduction. Squares stay below
+/// 2^63 for n up to 1e8.
 fn shortest2_in_plane(a: u64, n: u64) -> i128 {
-    let mut basis = [[1, i128::from(a)], [0, i128::from(n)]];
-    reduce_pair(&mut basis);
-    dot(&basis[0], &basis[0])
+    let dot = |a: [i64; 2], b: [i64; 2]| a[0] * b[0] + a[1] * b[1];
+    let (mut short, mut long) = ([1, a as i64], [0, n as i64]);
+    loop {
+        if dot(short, short) > dot(long, long) {
+            (short, long) = (long, short);
+        }
+        let (along, own) = (dot(short, long), dot(short, short));
+        // To the nearest whole number, halves toward 0.
+        let times = (2 * along.abs() + own - 1) / (2 * own) * along.signum();
+        if times == 0 {
+            return i128::from(own);
+        }
+        long = [long[0] - times * short[0], long[1] - times * short[1]];
+    }
 }
 
 /// As in the plane, of (1, a, a^2), (0, n, 0), (0, 0, n): a basis reduced in the sense of Minkowski begins with a shortest vector

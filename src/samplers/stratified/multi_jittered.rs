@@ -28,7 +28,7 @@ pub(in crate::samplers) static ENTRY: Entry = Entry {
     aliases: &["multi-jittered"],
     source: "Kensler 2013 (shared); Chiu, Shirley, Wang 1994 (independent)",
     formulas: "P = 1 - s + (s/n) A(m_1, m_2) A(m_2, m_1) (shared), s = sinc^2(m_1/n) sinc^2(m_2/n); also independent",
-    size: Size::POWER,
+    size: Size::SQUARE,
     dims: 2..=2,
     parameters: &[Parameter::new(
         "permutations",

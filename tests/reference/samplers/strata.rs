@@ -182,7 +182,7 @@ fn the_widest_lattice_is_the_widest() {
         let of = |i: u64| z.iter().map(|z| (i * z % n).min(n - i * z % n).pow(2)).sum::<u64>();
         (1..n).map(of).min().unwrap().min(n * n)
     };
-    let coprime = |a: u64, n: u64| (2..=a).all(|p| a % p != 0 || n % p != 0);
+    let coprime = |a: u64, n: u64| (2..=a).all(|p| !a.is_multiple_of(p) || !n.is_multiple_of(p));
     for (dim, all) in
         [(2, (2..=96).chain([127, 128, 210, 256, 511, 512]).collect::<Vec<u64>>()), (3, vec![2, 5, 16, 30, 61, 128])]
     {
