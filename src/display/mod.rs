@@ -28,7 +28,7 @@ pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_reach, vector_ti
 pub(crate) use ranges::{about_one, decades, defined_anisotropy, extent, top_of};
 pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
 pub(crate) use samples::{Interval, Samples};
-pub(crate) use text::{escape, human, shortened, with_error};
+pub(crate) use text::{escape, human, shortened, untagged, with_error};
 pub(crate) use ticks::{log_ticks, ticks};
 pub use tone_map::ToneMap;
 pub use trace::{Drawn, Frame, Trace};

@@ -14,12 +14,14 @@ mod points_picture;
 mod result_dir;
 mod summary;
 mod svg;
+mod terminal;
 
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
 pub use headline::headline;
+pub use terminal::{numbers, plots};
 
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;

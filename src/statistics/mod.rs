@@ -20,7 +20,7 @@ mod table;
 pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
-pub(crate) use output::{Array, Bar, Image, Make, Output, Place, Svg, Turn, Values};
+pub(crate) use output::{Array, Bar, Image, Make, Output, Place, Shown, Svg, Turn, Values};
 pub(crate) use table::Table;
 
 use crate::error::Result;

@@ -35,8 +35,12 @@ impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             &[
-                Output::table("neighbor_functions.csv", tables::functions),
-                Output::table("neighbor_functions_cross.csv", tables::cross),
+                Output::table("neighbor_functions.csv", tables::functions).shown(
+                    "nearest-neighbour and empty-space functions",
+                    &["r", "g_function", "g_function_se", "f_function", "f_function_se", "j_function", "poisson"],
+                ),
+                Output::table("neighbor_functions_cross.csv", tables::cross)
+                    .shown("J functions of two classes", &["r", "j_function_"]),
                 Output::figure("neighbor_functions.svg", figures::functions, "Nearest neighbours", figures::caption),
                 Output::figure(
                     "neighbor_functions_cross.svg",

@@ -57,10 +57,13 @@ impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             &[
-                Output::table("pcf.csv", tables::pcf),
-                Output::table("pcf_cross.csv", tables::cross),
-                Output::table("k_function.csv", tables::k_function),
-                Output::table("k_function_cross.csv", tables::cross_k),
+                Output::table("pcf.csv", tables::pcf)
+                    .shown("pair correlation function", &["r", "g", "g_se", "g_kernel", "g_kernel_se"]),
+                Output::table("pcf_cross.csv", tables::cross).shown("g of two classes", &["r", "g_"]),
+                Output::table("k_function.csv", tables::k_function)
+                    .shown("Ripley's K function", &["r", "k", "k_se", "l_minus_r", "l_se", "neighbors"]),
+                Output::table("k_function_cross.csv", tables::cross_k)
+                    .shown("L - r of two classes", &["r", "l_minus_r_"]),
                 Output::figure("pcf.svg", figures::pcf, "Pair correlation function", figures::pcf_caption),
                 Output::figure("pcf_cross.svg", figures::cross, "Two classes of points", figures::cross_caption),
                 Output::figure("k_function.svg", figures::k_function, "Ripley's <i>K</i> function", figures::k_caption),

@@ -31,8 +31,10 @@ impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             &[
-                Output::table("spectrum_radial.csv", tables::radial),
-                Output::table("spectrum_list.csv", tables::spectrum_list),
+                Output::table("spectrum_radial.csv", tables::radial)
+                    .shown("radial mean of the power spectrum", &["nu", "p", "p_se", "p_lo", "p_hi", "anisotropy_db"]),
+                Output::table("spectrum_list.csv", tables::spectrum_list)
+                    .shown("power spectrum at listed wave vectors", &["nu_", "p", "p_se", "p_lo", "p_hi"]),
                 Output::table("spectrum_axes.csv", tables::axes),
                 Output::table("spectrum_angular.csv", tables::sectors),
                 Output::table("spectrum_from_pcf.csv", tables::spectrum_from_pcf),
