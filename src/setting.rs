@@ -65,6 +65,8 @@ settings! {
     WindowPolygon = "window_polygon",
     /// Whether points outside the torus are folded back in.
     Wrap = "wrap",
+    /// Name of the length unit.
+    Unit = "unit",
     /// Statistics to compute.
     Stats = "stats",
     /// Largest distance.

@@ -32,5 +32,6 @@ pub(crate) use text::{escape, human, shortened, untagged, with_error};
 pub(crate) use ticks::{log_ticks, ticks};
 pub use tone_map::ToneMap;
 pub use trace::{Drawn, Frame, Trace};
+pub(crate) use units::Units;
 pub use units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
 pub(crate) use words::{error_note, kernel_name, packing_symbol, size};

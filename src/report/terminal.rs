@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::html::glance;
 use super::outputs::all;
 use crate::display::figure::{Figure, Layer};
-use crate::display::{Panel, log_ticks, ticks, untagged};
+use crate::display::{Panel, Units, log_ticks, ticks, untagged};
 use crate::estimate::Analysis;
 use crate::statistics::{Make, Shown, Table};
 
@@ -41,7 +41,8 @@ pub fn numbers(a: &Analysis) -> String {
 fn rows(text: &mut String, a: &Analysis, shown: &Shown, table: &Table) {
     let columns: Vec<_> = table.columns().filter(|(name, _)| shown.has(name)).collect();
     let Some(&(first, cells)) = columns.first().filter(|column| !column.1.is_empty()) else { return };
-    let unit = if first.starts_with("nu") { a.conventions.unit() } else { "length units of the domain" };
+    let units = Units::of(a);
+    let unit = if first.starts_with("nu") { units.rings } else { units.own_length };
     let last = cells.len() - 1;
     let taken: Vec<usize> = match cells.len() {
         n if n <= ROWS => (0..n).collect(),

@@ -52,6 +52,45 @@ fn without_a_directory_the_main_numbers_are_printed() {
     assert_eq!((output.status.code(), errors.as_str()), (Some(2), expected));
 }
 
+/// Wherever a length or a frequency is shown, and nowhere among the columns. What is no XML is escaped.
+#[test]
+fn the_length_unit_has_the_name_it_is_given() {
+    let scratch = Scratch::new();
+    let asked =
+        "analyze --sampler jittered -n 36 -k 2 --stats pcf,pcf-vector,k-function,spectrum,neighbors --device cpu";
+    scratch.ok(&format!("{asked} --out plain --quiet"));
+    let printed = scratch.ok(&format!("{asked} --out named --unit <µm>"));
+    assert!(printed.contains(" <µm>, mean ") && printed.contains(") <µm>, "), "{printed}");
+    let printed = scratch.ok(&format!("{asked} --unit µm"));
+    for said in ["r in µm:", "nu in cycles per µm:", " 36 per µm²\n"] {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    for file in std::fs::read_dir(scratch.path("named")).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        let [plain, named] = ["plain", "named"].map(|dir| std::fs::read(scratch.path(dir).join(&name)).unwrap());
+        if !name.ends_with("svg") && !name.ends_with("html") {
+            assert_eq!(plain == named, name != "summary.json", "{name}");
+            continue;
+        }
+        let [plain, named] = [plain, named].map(|text| String::from_utf8(text).unwrap());
+        assert!(!named.contains("length unit") && !named.contains("unit length"), "{name}");
+        // Directions alone have no unit; nothing else has none.
+        assert_eq!(
+            named.contains("&lt;µm&gt;"),
+            plain.contains("length unit") || plain.contains("unit length"),
+            "{name}"
+        );
+        if name.ends_with("svg") {
+            roxmltree::Document::parse(&named).unwrap();
+        }
+    }
+    assert_eq!(summary(&scratch.path("named"))["parameters"]["unit"], "<µm>");
+    let output = scratch.command().args(asked.split(' ')).args(["--unit", " "]).output().unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(errors.contains("--unit <NAME>': expected the name of a length unit, such as m or µm"), "{errors}");
+}
+
 #[test]
 fn analyze_writes_what_it_promises() {
     let scratch = Scratch::new();

@@ -1,8 +1,9 @@
 //! The picture of G and F, and its caption.
 
 use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
-use crate::display::{error_note, escape, extent, human, packing_symbol, shortened, size};
+use crate::display::{Units, error_note, escape, extent, human, packing_symbol, shortened, size};
 use crate::estimate::{Analysis, NeighborFunctions};
+use crate::statistics::axes;
 use crate::statistics::envelope;
 use crate::statistics::envelope::global_band;
 
@@ -40,12 +41,13 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
     let edges = if analysis.domain.is_torus() { "" } else { " · Kaplan-Meier" };
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Nearest-neighbour and empty-space functions",
+        title: axes::NEIGHBORS.title,
         subject: analysis.subject.clone(),
         note: format!("{}{edges} · {}", size(analysis), error_note(functions.errors, "binomial")),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "probability".into(),
+        x_label: axes::NEIGHBORS.x_label(&units),
+        y_label: axes::NEIGHBORS.y_label(&units),
         x: r[0].min(0.0)..end,
         y: 0.0..1.06,
         log_x: false,
@@ -96,12 +98,13 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             runs: runs(r.iter().map(|&r| (r, r, r)).zip(j.iter().copied())),
         });
     }
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "J functions of two classes",
+        title: axes::NEIGHBORS_CROSS.title,
         subject: analysis.subject.clone(),
         note: size(analysis),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "J(r) (dimensionless)".into(),
+        x_label: axes::NEIGHBORS_CROSS.x_label(&units),
+        y_label: axes::NEIGHBORS_CROSS.y_label(&units),
         x: r[0].min(0.0)..end,
         y: (lo - pad).max(0.0)..hi + pad,
         log_x: false,

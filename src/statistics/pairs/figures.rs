@@ -2,10 +2,11 @@
 
 use crate::display::figure::{BLUE, Figure, GREEN, Layer, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{
-    Panel, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
+    Panel, Units, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
 };
 use crate::estimate::{Analysis, KFunction, Normalization};
 use crate::plan::{Correction, SmoothingKernel};
+use crate::statistics::axes;
 use crate::statistics::envelope;
 use crate::statistics::envelope::global_band;
 use crate::statistics::layers::{closed_form, cut};
@@ -50,8 +51,9 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
     let random =
         envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Pair correlation function g(r)",
+        title: axes::PCF.title,
         subject: analysis.subject.clone(),
         note: format!(
             "{}{normalization} · {}{random}{bandwidth}{}{below}",
@@ -59,8 +61,8 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)
         ),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "g(r) (dimensionless)".into(),
+        x_label: axes::PCF.x_label(&units),
+        y_label: axes::PCF.y_label(&units),
         x: if log_x { first.0..last.2 } else { 0f64.min(first.0)..last.2 },
         y,
         log_x,
@@ -79,10 +81,11 @@ pub(super) fn pcf_caption(a: &Analysis, _: &str) -> Option<String> {
     };
     let kernel = a.kernel().map_or(String::new(), |k| {
         format!(
-            " The second curve is smoothed with {} {} kernel whose standard deviation is {} length units.",
+            " The second curve is smoothed with {} {} kernel whose standard deviation is {} {}.",
             if k.kernel.shape == SmoothingKernel::Epanechnikov { "an" } else { "a" },
             kernel_name(k.kernel.shape),
-            human(k.kernel.bandwidth)
+            human(k.kernel.bandwidth),
+            Units::of(a).escaped().length
         )
     });
     let weights = match a.correction {
@@ -127,8 +130,9 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
         line(format!("{b} – {b}"), VERMILION, &cross.b.g),
         line(format!("{a} – {b}"), BLUE, &between.g),
     ];
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Pair correlation functions of two classes",
+        title: axes::PCF_CROSS.title,
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
@@ -136,8 +140,8 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             error_note(between.errors, "Poisson counts"),
             cut([&cross.a.g, &cross.b.g, &between.g].into_iter().flatten().copied(), top)
         ),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "g(r) (dimensionless)".into(),
+        x_label: axes::PCF_CROSS.x_label(&units),
+        y_label: axes::PCF_CROSS.y_label(&units),
         x: 0f64.min(intervals.first()?.0)..intervals.last()?.2,
         y: 0.0..top,
         log_x: false,
@@ -195,12 +199,13 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "L(r) − r, from Ripley's K function",
+        title: axes::K_FUNCTION.title,
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(k.errors, "Poisson counts")),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "L(r) − r (length units of the domain)".into(),
+        x_label: axes::K_FUNCTION.x_label(&units),
+        y_label: axes::K_FUNCTION.y_label(&units),
         x: 0.0..intervals.last()?.2,
         y: lo - pad..hi + pad,
         log_x: false,
@@ -254,12 +259,13 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
         line(format!("{b} – {b}"), VERMILION, &cross.b),
         line(format!("{a} – {b}"), BLUE, between),
     ];
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "L(r) − r of two classes, from Ripley's K function",
+        title: axes::K_FUNCTION_CROSS.title,
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(between.errors, "Poisson counts")),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "L(r) − r (length units of the domain)".into(),
+        x_label: axes::K_FUNCTION_CROSS.x_label(&units),
+        y_label: axes::K_FUNCTION_CROSS.y_label(&units),
         x: 0.0..intervals.last()?.2,
         y: lo - pad..hi + pad,
         log_x: false,

@@ -8,7 +8,7 @@ mod summary;
 mod tables;
 
 use super::group::{Ask, Parts};
-use super::{Keys, Output, Room, Row, across};
+use super::{Keys, Output, Room, Row, across, in_units};
 use crate::display::human;
 use crate::error::Result;
 use crate::estimate::{Analysis, Curve, ErrorSource};
@@ -131,7 +131,7 @@ impl Room for Here {
         if let Some(g) = a.pair_correlation() {
             let pairs: u64 = g.count.iter().sum();
             let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
-            lines.push(format!("g(r): {} bins over {range}, {pairs} ordered pairs", g.g.len()));
+            lines.push(format!("g(r): {} bins over {range}{}, {pairs} ordered pairs", g.g.len(), in_units(a)));
         }
         if let Some(cross) = a.cross() {
             let pairs: u64 = cross.between.count.iter().sum();
@@ -147,7 +147,8 @@ impl Room for Here {
         if let Some(k) = a.k_function()
             && let (Some(&r), Some(&neighbors)) = (k.r.last(), k.neighbors.last())
         {
-            lines.push(format!("K(r): {} further points within {} of a point, on average", human(neighbors), human(r)));
+            let (neighbors, r, unit) = (human(neighbors), human(r), in_units(a));
+            lines.push(format!("K(r): {neighbors} further points within {r}{unit} of a point, on average"));
         }
         lines
     }

@@ -43,7 +43,7 @@ impl Room for Here {
                 Output::array("spectrum_se.npy", p_se),
                 Output::figure("spectrum_radial.svg", figures::radial, HEADING, figures::radial_caption),
                 Output::figure("anisotropy.svg", figures::anisotropy, HEADING, figures::anisotropy_caption),
-                Output::figure("spectrum_axes.svg", figures::axes, HEADING, figures::axes_caption),
+                Output::figure("spectrum_axes.svg", figures::along_axes, HEADING, figures::axes_caption),
                 Output::figure("spectrum_angular.svg", figures::angular, HEADING, figures::angular_caption),
                 Output::image("spectrum.png", image::image, HEADING, image::caption),
                 Output::image("spectrum_grey.png", image::grey, HEADING, image::caption).aside(),
