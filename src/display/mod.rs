@@ -21,6 +21,7 @@ mod words;
 pub use color_map::ColorMap;
 pub(crate) use color_map::{diverging, sequential};
 pub use decimate::{thinned_band, thinned_line};
+pub use figure::Stroke;
 pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice};
 pub use panel::Panel;
 pub(crate) use pixels::{DC, middle, peak};

@@ -9,6 +9,7 @@ mod npy;
 mod outputs;
 pub mod panel;
 mod picture_figure;
+mod plot;
 mod png;
 mod points_picture;
 mod result_dir;
@@ -21,6 +22,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use headline::headline;
+pub use plot::{Format, Plot, Plotted};
 pub use terminal::{numbers, plots};
 
 use crate::error::{Error, Result};

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::html::glance;
 use super::outputs::all;
-use crate::display::figure::{Figure, Layer};
+use crate::display::figure::{Figure, Layer, Stroke};
 use crate::display::{Panel, Units, log_ticks, ticks, untagged};
 use crate::estimate::Analysis;
 use crate::statistics::{Make, Shown, Table};
@@ -131,7 +131,7 @@ fn plot(text: &mut String, figure: &Figure, width: usize) {
     let y = Dots { range: figure.y.clone(), log: figure.log_y, count: 4 * LINES };
     let mut canvas = Canvas { width, cells: vec![0; width * LINES] };
     let curve = figure.layers.iter().find_map(|layer| match layer {
-        Layer::Line { dashed: false, runs, .. } => Some(runs),
+        Layer::Line { stroke: Stroke::Solid, runs, .. } => Some(runs),
         _ => None,
     });
     for pair in curve.into_iter().flatten().flat_map(|run| run.windows(2)) {
@@ -152,7 +152,7 @@ fn plot(text: &mut String, figure: &Figure, width: usize) {
             (0..x.count).step_by(4).for_each(|u| canvas.dot(u, y.at(*level).round() as usize));
         }
     }
-    let _ = writeln!(text, "{}", untagged(figure.title));
+    let _ = writeln!(text, "{}", untagged(&figure.title));
     let rows = y.ticks(4, 4);
     for (line, cells) in canvas.cells.chunks(width).enumerate() {
         let tick = rows.iter().find(|(row, _)| LINES - 1 - row == line);
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn a_curve_is_drawn_where_its_values_are() {
         let figure = Figure {
-            title: "a line",
+            title: "a line".into(),
             subject: String::new(),
             note: String::new(),
             x_label: "x".into(),
@@ -212,7 +212,7 @@ mod tests {
                 name: String::new(),
                 color: crate::display::figure::BLUE,
                 width: 1.0,
-                dashed: false,
+                stroke: Stroke::Solid,
                 runs: vec![vec![(0.0, 0.0), (1.0, 1.0)]],
             }],
         };

@@ -211,6 +211,15 @@ impl Setting {
             Self::Out => "--out",
             Self::Force => "--force",
             Self::Tolerance => "--tolerance",
+            Self::Figures => "--figure",
+            Self::Labels => "--labels",
+            Self::RangeX => "--x",
+            Self::RangeY => "--y",
+            Self::LogX => "--log-x",
+            Self::LogY => "--log-y",
+            Self::Colors => "--colors",
+            Self::Size => "--size",
+            Self::Format => "--format",
             _ => self.row().map_or("", |row| row.flag),
         }
     }

@@ -4,7 +4,7 @@
 //!
 //! A new statistic is a room here, one line of `ROOMS`, and its stems in compute, accumulate and estimate.
 
-mod axes;
+pub(crate) mod axes;
 mod classes;
 mod convention;
 mod covariance;

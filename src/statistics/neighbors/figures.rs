@@ -1,6 +1,6 @@
 //! The picture of G and F, and its caption.
 
-use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{Units, error_note, escape, extent, human, packing_symbol, shortened, size};
 use crate::estimate::{Analysis, NeighborFunctions};
 use crate::statistics::axes;
@@ -20,9 +20,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
         let range = |(y, se): (&Option<f64>, &Option<f64>)| y.zip(*se).map(|(y, se)| (y - se, y + se));
         band_runs(intervals().zip(y.iter().zip(se).map(range)))
     };
-    let curve = |name: &str, color, dashed, y: &[Option<f64>]| {
+    let curve = |name: &str, color, stroke, y: &[Option<f64>]| {
         let runs = runs(intervals().zip(y.iter().copied()));
-        Layer::Line { name: name.into(), color, width: 1.6, dashed, runs }
+        Layer::Line { name: name.into(), color, width: 1.6, stroke, runs }
     };
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
     let at: Vec<_> = intervals().collect();
@@ -33,9 +33,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     layers.extend([
         Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
         Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },
-        curve("G: point to nearest point", BLUE, false, &functions.g),
-        curve("F: place to nearest point", VERMILION, false, &functions.f),
-        curve("Poisson: G = F", INK, true, &poisson),
+        curve("G: point to nearest point", BLUE, Stroke::Solid, &functions.g),
+        curve("F: place to nearest point", VERMILION, Stroke::Solid, &functions.f),
+        curve("Poisson: G = F", INK, Stroke::Dashed, &poisson),
     ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
@@ -43,7 +43,7 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     let edges = if analysis.domain.is_torus() { "" } else { " · Kaplan-Meier" };
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::NEIGHBORS.title,
+        title: axes::NEIGHBORS.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{}{edges} · {}", size(analysis), error_note(functions.errors, "binomial")),
         x_label: axes::NEIGHBORS.x_label(&units),
@@ -94,13 +94,13 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             name: [from, to].map(|name| escape(&shortened(name, 18))).join(" → "),
             color,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(r.iter().map(|&r| (r, r, r)).zip(j.iter().copied())),
         });
     }
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::NEIGHBORS_CROSS.title,
+        title: axes::NEIGHBORS_CROSS.title.into(),
         subject: analysis.subject.clone(),
         note: size(analysis),
         x_label: axes::NEIGHBORS_CROSS.x_label(&units),

@@ -1,6 +1,6 @@
 //! Pictures of g, of two classes and of K, and their captions.
 
-use crate::display::figure::{BLUE, Figure, GREEN, Layer, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::figure::{BLUE, Figure, GREEN, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{
     Panel, Units, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
 };
@@ -32,12 +32,18 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     layers.extend(envelope.map(|e| global_band(analysis, "", &intervals, e)));
     layers.extend([
         Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(samples.bands()) },
-        Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
+        Layer::Line {
+            name: "estimate".into(),
+            color: BLUE,
+            width: 1.6,
+            stroke: Stroke::Solid,
+            runs: runs(samples.values()),
+        },
     ]);
     if let Some(k) = kernel {
         let name = format!("{} kernel", kernel_name(k.kernel.shape));
         let smoothed = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
-        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, dashed: false, runs: runs(smoothed) });
+        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, stroke: Stroke::Solid, runs: runs(smoothed) });
     }
     layers.extend(closed_form(analysis, &samples, analysis.closed_form.g.is_some()));
     let (d, which) = packing_symbol(analysis.domain.dim());
@@ -53,7 +59,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
         envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::PCF.title,
+        title: axes::PCF.title.into(),
         subject: analysis.subject.clone(),
         note: format!(
             "{}{normalization} · {}{random}{bandwidth}{}{below}",
@@ -118,7 +124,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
     let top = top_of(&values, &own);
     let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
     let at = |g: &[f64]| runs(intervals.iter().zip(g).map(|(&x, &g)| (x, Some(g))));
-    let line = |name, color, g: &[f64]| Layer::Line { name, color, width: 1.6, dashed: false, runs: at(g) };
+    let line = |name, color, g: &[f64]| Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: at(g) };
     let layers = vec![
         Layer::Level { name: "g = 1".into(), y: 1.0 },
         Layer::Band {
@@ -132,7 +138,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::PCF_CROSS.title,
+        title: axes::PCF_CROSS.title.into(),
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
@@ -192,7 +198,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
             name: "L(r) − r".into(),
             color: BLUE,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(intervals.iter().zip(&values).map(|(&x, v)| (x, v.0.is_finite().then_some(v.0)))),
         },
     ]);
@@ -201,7 +207,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
     let symbol = format!("{d}{}", sub(which));
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::K_FUNCTION.title,
+        title: axes::K_FUNCTION.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(k.errors, "Poisson counts")),
         x_label: axes::K_FUNCTION.x_label(&units),
@@ -247,7 +253,7 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
     let at = |k: &KFunction| runs(intervals.iter().zip(&k.l_minus_r).map(|(&x, &l)| (x, l.is_finite().then_some(l))));
-    let line = |name, color, k: &KFunction| Layer::Line { name, color, width: 1.6, dashed: false, runs: at(k) };
+    let line = |name, color, k: &KFunction| Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: at(k) };
     let layers = vec![
         Layer::Level { name: "independent: L = r".into(), y: 0.0 },
         Layer::Band {
@@ -261,7 +267,7 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::K_FUNCTION_CROSS.title,
+        title: axes::K_FUNCTION_CROSS.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(between.errors, "Poisson counts")),
         x_label: axes::K_FUNCTION_CROSS.x_label(&units),

@@ -1,6 +1,6 @@
 //! Curves of P: over rings, along axes, by direction; and their captions.
 
-use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, VERMILION, band_runs, runs};
+use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, Stroke, VERMILION, band_runs, runs};
 use crate::display::{FrequencyUnit, Panel, Units, about_one, defined_anisotropy, error_note, human, size, top_of};
 use crate::estimate::{Analysis, AxisMode, Band, SectorPower};
 use crate::statistics::axes;
@@ -24,7 +24,7 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
             name: "radial mean".into(),
             color: BLUE,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(samples.values()),
         },
     ];
@@ -32,7 +32,7 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
     layers.extend(mean_frequency(analysis, x.end));
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::RADIAL.title,
+        title: axes::RADIAL.title.into(),
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
@@ -91,7 +91,13 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
     let mut layers = vec![
         Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(samples.bands()) },
         Layer::Level { name: format!("isotropic: {db} dB"), y: reference },
-        Layer::Line { name: "anisotropy".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
+        Layer::Line {
+            name: "anisotropy".into(),
+            color: BLUE,
+            width: 1.6,
+            stroke: Stroke::Solid,
+            runs: runs(samples.values()),
+        },
     ];
     layers.extend(mean_frequency(analysis, x.end));
     let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size(analysis));
@@ -102,7 +108,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
     }
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::ANISOTROPY.title,
+        title: axes::ANISOTROPY.title.into(),
         subject: analysis.subject.clone(),
         note,
         x_label: axes::ANISOTROPY.x_label(&units),
@@ -148,13 +154,13 @@ pub(super) fn along_axes(analysis: &Analysis) -> Option<Figure> {
         let (half, axis) = (half(slice), slice[0].axis);
         let line = runs(slice.iter().map(|m| (interval(m, half), Some(m.p))));
         let name = format!("along {}", ["x", "y", "z"][axis]);
-        layers.push(Layer::Line { name, color: colors[axis], width: 1.3, dashed: false, runs: line });
+        layers.push(Layer::Line { name, color: colors[axis], width: 1.3, stroke: Stroke::Solid, runs: line });
     }
     layers.extend(mean_frequency(analysis, end));
     let bands = if banded { "bands: 95 % of each mode" } else { "single modes; their 95 % bands are in the file" };
     let units = Units::of(analysis).escaped();
     (end > 0.0).then(|| Figure {
-        title: axes::AXES.title,
+        title: axes::AXES.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {bands}{}", size(analysis), cut(modes.iter().map(|m| m.p), top)),
         x_label: axes::AXES.x_label(&units),
@@ -202,13 +208,13 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
             name: "sector over ring means".into(),
             color: BLUE,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(samples.iter().map(|&(x, s)| (x, s.ratio))),
         },
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::ANGULAR.title,
+        title: axes::ANGULAR.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {} sectors of {} degrees", size(analysis), sectors.len(), 180.0 / sectors.len() as f64),
         x_label: axes::ANGULAR.x_label(&units),
