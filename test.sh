@@ -66,7 +66,7 @@ tree=$(cargo tree -p pairwave -e normal,build,dev --prefix none)
 # The library speaks no command line unless it is asked to.
 cargo clippy -p pairwave --no-default-features --lib --profile test -- -D warnings
 tree=$(cargo tree -p pairwave --no-default-features -e normal --prefix none)
-! grep -E '^(clap|indicatif|ctrlc)' <<<"$tree" || exit 1
+! grep -E '^(clap|indicatif|ctrlc|terminal_size)' <<<"$tree" || exit 1
 # The viewer stays fit for a browser.
 if [ -d "$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ]; then
     # Not in the profile of tests, which would check what only tests need too.

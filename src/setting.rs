@@ -65,6 +65,8 @@ settings! {
     WindowPolygon = "window_polygon",
     /// Whether points outside the torus are folded back in.
     Wrap = "wrap",
+    /// Name of the length unit.
+    Unit = "unit",
     /// Statistics to compute.
     Stats = "stats",
     /// Largest distance.
@@ -131,6 +133,24 @@ settings! {
     Out = "out",
     /// Whether results that are there are replaced; no part of a request.
     Force = "force",
+    /// Figures that are drawn again; no part of a request, like all below.
+    Figures = "figures",
+    /// Names of results in a legend.
+    Labels = "labels",
+    /// Range of an abscissa.
+    RangeX = "range_x",
+    /// Range of an ordinate.
+    RangeY = "range_y",
+    /// Whether an abscissa is logarithmic.
+    LogX = "log_x",
+    /// Whether an ordinate is logarithmic.
+    LogY = "log_y",
+    /// Their colours.
+    Colors = "colors",
+    /// Size on paper.
+    Size = "size",
+    /// File format of figures.
+    Format = "format",
     /// Tolerance of a non-uniform transform; `accuracy` decides it in a request.
     Tolerance = "tolerance",
 }

@@ -388,6 +388,7 @@ impl Measurement {
         let source = &self.source;
         found.subject = source.subject().to_string();
         found.parameters = self.request.parameters();
+        found.unit = self.request.input.unit;
         found.input = source.input().cloned();
         found.plan = self.plan.to_string();
         found.duplicates = self.duplicates;

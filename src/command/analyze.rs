@@ -1,5 +1,6 @@
 //! `pairwave analyze`
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use pairwave::analysis::{self, Plan};
 use pairwave::compute::Device;
 use pairwave::request::{Request, shell_words};
 use pairwave::source::Points;
-use pairwave::{Result, Setting, check_threads, report};
+use pairwave::{Error, Result, Setting, check_threads, report};
 
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
 use super::{print, tell};
@@ -19,8 +20,9 @@ pub(crate) struct Analyze {
 
     /// Directory for the results, to be created
     ///
-    /// Directory for the results; created, never overwritten without --force
-    #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "explain")]
+    /// Directory for the results; created, never overwritten without --force. Without one nothing is written: the main numbers
+    /// are printed, and a plot of g(r) and P(nu) where a terminal shows it
+    #[arg(long, help_heading = "Output", value_name = "DIR")]
     out: Option<PathBuf>,
 
     /// Replace a result that is already there
@@ -38,6 +40,9 @@ pub(crate) struct Analyze {
 
 impl Analyze {
     pub(crate) fn run(self) -> Result<()> {
+        if self.force && self.out.is_none() {
+            return Err(Error::setting(Setting::Force, "(given)", "needs `out`: without it nothing is written"));
+        }
         let out = self.out.as_ref().filter(|_| !self.explain);
         if let Some(out) = out {
             report::check_inputs(out, &self.request)?;
@@ -60,25 +65,45 @@ impl Analyze {
             tell(&format!("note: {note}"));
         }
         let plan = plan.for_device(device.compute());
-        let Some(out) = out else {
+        if self.explain {
             if !self.quiet {
                 source.warnings().iter().for_each(|warning| warn(warning));
             }
             return print(&format!("{}\ndevice: {}\n{plan}", source.first_line(), device.computed_by().device()));
-        };
+        }
         let bar = Bar::new(self.quiet, &control);
         let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
         bar.finish();
         analysis.parameters.push(("command".into(), command_line().into()));
-        let files = uninterrupted(|| report::write(out, &analysis, self.force))?;
+        let files = out.map(|out| uninterrupted(|| report::write(out, &analysis, self.force))).transpose()?;
         if !self.quiet {
             analysis.warnings.iter().for_each(|warning| warn(warning));
             print(&report::headline(&analysis))?;
-            let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
-            print(&format!("{}: {}\n", out.display(), names.join(" ")))?;
         }
-        Ok(())
+        match out.zip(files) {
+            Some(_) if self.quiet => Ok(()),
+            Some((out, files)) => {
+                let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
+                print(&format!("{}: {}\n", out.display(), names.join(" ")))
+            }
+            // Nothing but what is printed is left of the run.
+            None => {
+                print(&format!("\n{}", report::numbers(&analysis)))?;
+                plot_columns().map_or(Ok(()), |columns| print(&report::plots(&analysis, columns)))
+            }
+        }
     }
+}
+
+/// The width of the terminal that standard output is, if it shows braille.
+fn plot_columns() -> Option<usize> {
+    let variable = |name| std::env::var(name).ok().filter(|value| !value.is_empty());
+    let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(variable)?.to_lowercase();
+    let unicode = locale.ends_with("utf-8") || locale.ends_with("utf8");
+    let shows = unicode && std::io::stdout().is_terminal() && variable("TERM").is_some_and(|term| term != "dumb");
+    let given = || variable("COLUMNS")?.parse().ok();
+    let measured = || terminal_size::terminal_size_of(std::io::stdout()).map(|(width, _)| usize::from(width.0));
+    shows.then(|| given().or_else(measured)).flatten()
 }
 
 /// Says a warning, with settings under the names of their flags.

@@ -3,6 +3,7 @@
 mod analyze;
 mod devices;
 mod out_of_memory;
+mod plot;
 mod progress;
 mod sample;
 mod samplers;
@@ -17,6 +18,8 @@ pub(crate) use out_of_memory::Allocator;
 pub(crate) enum Command {
     /// Measure g(r), P(nu) and neighbour distances of point files or a sampler
     Analyze(Box<analyze::Analyze>),
+    /// Draw results again, several in one figure, without computing
+    Plot(Box<plot::Plot>),
     /// Write realizations of a sampler to a file
     Sample(sample::Sample),
     /// List the samplers, or explain one
@@ -31,6 +34,7 @@ impl Command {
     pub(crate) fn run(self) -> Result<()> {
         match self {
             Self::Analyze(analyze) => analyze.run(),
+            Self::Plot(plot) => plot.run(),
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),
             Self::Devices => devices::run(),

@@ -1,8 +1,10 @@
 //! Pictures of curves as data: what is drawn in them. The palette, and how samples become lines and bands.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::Interval;
+use crate::named::named;
 
 /// 8-bit sRGB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,12 +20,36 @@ pub(crate) const SKY: Rgb = Rgb(86, 180, 233);
 pub(crate) const INK: Rgb = Rgb(34, 34, 34);
 pub(crate) const GREY: Rgb = Rgb(125, 125, 125);
 
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// Whole.
+    Solid,
+    /// In dashes.
+    Dashed,
+    /// In dots.
+    Dotted,
+}
+
+named!(Stroke: Solid = "solid", Dashed = "dashed", Dotted = "dotted");
+
+impl Stroke {
+    /// Lengths of dashes and of what is between them in px; none where it is whole.
+    pub(crate) fn dashes(self) -> Option<(f64, f64)> {
+        match self {
+            Self::Solid => None,
+            Self::Dashed => Some((7.0, 4.5)),
+            Self::Dotted => Some((1.8, 3.2)),
+        }
+    }
+}
+
 /// What is drawn, in this order.
 pub(crate) enum Layer {
     /// A filled band between two curves.
     Band { name: String, color: Rgb, runs: Vec<Vec<[f64; 3]>> },
     /// A curve.
-    Line { name: String, color: Rgb, width: f64, dashed: bool, runs: Vec<Vec<(f64, f64)>> },
+    Line { name: String, color: Rgb, width: f64, stroke: Stroke, runs: Vec<Vec<(f64, f64)>> },
     /// A horizontal reference.
     Level { name: String, y: f64 },
     /// A vertical hint with its label (SVG text).
@@ -38,7 +64,7 @@ pub(crate) struct TopAxis {
 
 /// A picture of curves. Labels are SVG text, i.e. already escaped.
 pub(crate) struct Figure {
-    pub(crate) title: &'static str,
+    pub(crate) title: Cow<'static, str>,
     pub(crate) subject: String,
     pub(crate) note: String,
     pub(crate) x_label: String,

@@ -1,10 +1,11 @@
 //! What an analysis says at one place: the bin, ring, mode or cell there, with value, error and unit.
 
 use super::lag_slices::{lag_planes, lag_slice_cells};
-use super::units::Axis;
+use super::units::{Axis, Units};
 use super::{human, with_error};
 use crate::error::plural;
 use crate::estimate::Analysis;
+use crate::points::UnitName;
 
 /// g in a bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +65,7 @@ pub struct ModeAt {
     /// Its standard error; `None` at m = 0, where P is no fluctuation.
     pub se: Option<f64>,
     dim: usize,
+    unit: Option<UnitName>,
 }
 
 /// g in a cell of lags.
@@ -77,6 +79,7 @@ pub struct LagAt {
     pub g: f64,
     /// Its standard error; of the mean of two cells no more than this, which it is if they rise and fall together.
     pub se: f64,
+    unit: Option<UnitName>,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -132,6 +135,7 @@ pub fn spectrum_at(analysis: &Analysis, nu: [f64; 2]) -> Option<ModeAt> {
     }
     let index = grid.half_index(m);
     Some(ModeAt {
+        unit: analysis.unit,
         m,
         nu: std::array::from_fn(|k| sides.get(k).map_or(0.0, |side| f64::from(m[k]) / side)),
         p: spectrum.p[index],
@@ -148,7 +152,13 @@ pub fn vector_at(analysis: &Analysis, lag: [f64; 2], plane: usize) -> Option<Lag
     let bin = |h: f64, axis: usize| (0..grid.bins).find(|&k| (grid.edge(axis, k)..grid.edge(axis, k + 1)).contains(&h));
     let cells = lag_slice_cells(grid, axes, [bin(lag[0], axes[0])?, bin(lag[1], axes[1])?]);
     let mean = |values: &[f64]| 0.5 * (values[cells[0]] + values[cells[1]]);
-    Some(LagAt { lag: axes.map(|axis| grid.centre(cells[0], axis)), axes, g: mean(&vector.g), se: mean(&vector.g_se) })
+    Some(LagAt {
+        unit: analysis.unit,
+        lag: axes.map(|axis| grid.centre(cells[0], axis)),
+        axes,
+        g: mean(&vector.g),
+        se: mean(&vector.g_se),
+    })
 }
 
 /// The closed form, as an appendix.
@@ -200,7 +210,12 @@ impl ModeAt {
         let m = self.m[..self.dim].iter().map(|m| human(f64::from(*m))).collect::<Vec<_>>().join(", ");
         let nu = self.nu.iter().map(|nu| nu * nu).sum::<f64>().sqrt();
         let dc = if self.se.is_none() { " (DC)" } else { "" };
-        format!("m = ({m}){dc}, |ν| = {} cycles per unit length, P = {}", human(nu), with_error(self.p, self.se))
+        format!(
+            "m = ({m}){dc}, |ν| = {} {}, P = {}",
+            human(nu),
+            Units::named(self.unit).cycles,
+            with_error(self.p, self.se)
+        )
     }
 }
 
@@ -209,6 +224,10 @@ impl LagAt {
     pub fn text(&self) -> String {
         let [a, b] = self.axes.map(|axis| AXES[axis]);
         let [h, v] = self.lag.map(human);
-        format!("(h_{a}, h_{b}) = ({h}, {v}) length units, g = {}", with_error(self.g, Some(self.se)))
+        format!(
+            "(h_{a}, h_{b}) = ({h}, {v}) {}, g = {}",
+            Units::named(self.unit).length,
+            with_error(self.g, Some(self.se))
+        )
     }
 }

@@ -82,6 +82,31 @@ pub(crate) fn escape(text: &str) -> String {
     escaped
 }
 
+/// A few words of HTML or SVG without their tags and escapes: squares as ², other powers behind a ^, an index behind `_`.
+pub(crate) fn untagged(html: &str) -> String {
+    let html = html.replace("<sup>2</sup>", "²").replace("<sup>", "^").replace("<sub>", "_");
+    let mut plain = String::with_capacity(html.len());
+    let mut inside = false;
+    for c in html.chars() {
+        match c {
+            '<' => inside = true,
+            '>' if inside => inside = false,
+            c if !inside => plain.push(c),
+            _ => {}
+        }
+    }
+    let entities = [
+        ("&lt;", "<"),
+        ("&gt;", ">"),
+        ("&quot;", "\""),
+        ("&#39;", "'"),
+        ("&#8203;", ""),
+        ("&nbsp;", " "),
+        ("&amp;", "&"),
+    ];
+    entities.iter().fold(plain, |text, (entity, c)| text.replace(entity, c))
+}
+
 /// At most `max` characters, the middle left out: both ends of a file name tell more than its middle.
 pub(crate) fn shortened(text: &str, max: usize) -> String {
     let chars: Vec<char> = text.chars().collect();
@@ -125,5 +150,9 @@ mod tests {
         assert_eq!(escape("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
         assert_eq!(shortened("abcdefghij", 5), "ab…ij");
         assert_eq!(shortened("abc", 5), "abc");
+        assert_eq!(
+            untagged("<i>P</i> ~ <i>ν<sup>b</sup></i>, <i>n</i><sup>2</sup> &lt; &amp;lt;"),
+            "P ~ ν^b, n² < &lt;"
+        );
     }
 }

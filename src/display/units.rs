@@ -1,9 +1,67 @@
 //! Units and scales of axes: from a value of the analysis to where it is drawn, and back.
 
 use super::words::packing_symbol;
-use super::{human, ticks};
+use super::{escape, human, ticks};
 use crate::estimate::Analysis;
-use crate::points::Domain;
+use crate::plan::Conventions;
+use crate::points::{Domain, UnitName};
+
+/// Units under the name that the length unit has, if it has one.
+#[derive(Debug, Clone)]
+pub(crate) struct Units {
+    /// `µm`, else `length units`.
+    pub(crate) length: String,
+    /// `µm`, else `length units of the domain`.
+    pub(crate) own_length: String,
+    /// `cycles per µm`, else `cycles per unit length`.
+    pub(crate) cycles: String,
+    /// Of rings, by whose convention.
+    pub(crate) rings: String,
+}
+
+impl Units {
+    /// Those of an analysis, as plain text.
+    pub(crate) fn of(analysis: &Analysis) -> Self {
+        Self::new(analysis.unit, &analysis.conventions)
+    }
+
+    /// Under this name, with our own rings.
+    pub(crate) fn named(unit: Option<UnitName>) -> Self {
+        Self::new(unit, &Conventions::default())
+    }
+
+    /// As plain text.
+    pub(crate) fn new(unit: Option<UnitName>, conventions: &Conventions) -> Self {
+        let rings = per_own(conventions.unit(), unit);
+        Self {
+            length: unit.map_or(LENGTH_UNITS.into(), |unit| unit.to_string()),
+            own_length: unit.map_or(format!("{LENGTH_UNITS} of the domain"), |unit| unit.to_string()),
+            cycles: per_own(CYCLES, unit),
+            rings: if conventions.foreign { format!("{rings}; rings of {}", conventions.of) } else { rings },
+        }
+    }
+
+    /// The same as SVG text or HTML.
+    pub(crate) fn escaped(self) -> Self {
+        let Self { length, own_length, cycles, rings } = self;
+        Self {
+            length: escape(&length),
+            own_length: escape(&own_length),
+            cycles: escape(&cycles),
+            rings: escape(&rings),
+        }
+    }
+}
+
+/// What a length unit without a name is called.
+const LENGTH_UNITS: &str = "length units";
+const UNIT_LENGTH: &str = "unit length";
+const CYCLES: &str = "cycles per unit length";
+
+/// A text with the unit length under its name.
+fn per_own(text: &str, name: Option<UnitName>) -> String {
+    name.map_or(text.into(), |name| text.replace(UNIT_LENGTH, name.as_str()))
+}
 
 /// The unit of distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -32,7 +90,7 @@ impl LengthUnit {
     /// Its symbol: `d_hex` in 2D, `d_fcc` in 3D, `d_even` in 1D.
     pub fn symbol(self, dim: usize) -> String {
         match self {
-            Self::Box => "length units".into(),
+            Self::Box => LENGTH_UNITS.into(),
             Self::PackingDistance => {
                 let (base, index) = packing_symbol(dim);
                 format!("{base}_{index}")
@@ -69,7 +127,7 @@ impl FrequencyUnit {
     pub fn symbol(self, domain: &Domain) -> String {
         let base = if domain.measure() == 1.0 { "n" } else { "λ" };
         match (self, domain.dim()) {
-            (Self::Cycles, _) => "cycles per unit length".into(),
+            (Self::Cycles, _) => CYCLES.into(),
             (Self::SqrtN, 1) => base.into(),
             (Self::SqrtN, 2) => format!("√{base}"),
             (Self::SqrtN, _) => format!("∛{base}"),
@@ -110,14 +168,16 @@ enum Quantity {
     Distance {
         unit: LengthUnit,
         dim: usize,
+        name: Option<UnitName>,
     },
     Frequency {
         unit: FrequencyUnit,
         dim: usize,
         of_unit_measure: bool,
+        name: Option<UnitName>,
     },
     /// Of another program's rings, with its unit.
-    ForeignFrequency(&'static str),
+    ForeignFrequency(&'static str, Option<UnitName>),
     Dimensionless(&'static str),
     Decibels(&'static str),
 }
@@ -139,7 +199,7 @@ impl Axis {
     /// Distances r of an analysis.
     pub fn distance(analysis: &Analysis, unit: LengthUnit, scale: AxisScale) -> Self {
         let domain = &analysis.domain;
-        let quantity = Quantity::Distance { unit, dim: domain.dim() };
+        let quantity = Quantity::Distance { unit, dim: domain.dim(), name: analysis.unit };
         Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), zero: 0.0, scale }
     }
 
@@ -147,10 +207,15 @@ impl Axis {
     pub fn frequency(analysis: &Analysis, unit: FrequencyUnit, scale: AxisScale) -> Self {
         let domain = &analysis.domain;
         if analysis.conventions.foreign {
-            let own = analysis.conventions.unit();
-            return Self { quantity: Quantity::ForeignFrequency(own), component: None, unit: 1.0, zero: 0.0, scale };
+            let quantity = Quantity::ForeignFrequency(analysis.conventions.unit(), analysis.unit);
+            return Self { quantity, component: None, unit: 1.0, zero: 0.0, scale };
         }
-        let quantity = Quantity::Frequency { unit, dim: domain.dim(), of_unit_measure: domain.measure() == 1.0 };
+        let quantity = Quantity::Frequency {
+            unit,
+            dim: domain.dim(),
+            of_unit_measure: domain.measure() == 1.0,
+            name: analysis.unit,
+        };
         Self { quantity, component: None, unit: unit.size(domain, analysis.shape.mean_points), zero: 0.0, scale }
     }
 
@@ -247,8 +312,8 @@ impl Axis {
         let named = |whole: &'static str| self.component.unwrap_or(whole);
         match self.quantity {
             Quantity::Distance { unit: LengthUnit::Box, .. } => named("r").into(),
-            Quantity::Distance { unit, dim } => format!("{} / {}", named("r"), unit.symbol(dim)),
-            Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } | Quantity::ForeignFrequency(_) => {
+            Quantity::Distance { unit, dim, .. } => format!("{} / {}", named("r"), unit.symbol(dim)),
+            Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } | Quantity::ForeignFrequency(..) => {
                 named("ν").into()
             }
             Quantity::Frequency { dim, of_unit_measure, .. } => {
@@ -266,12 +331,13 @@ impl Axis {
         match (self.scale, self.quantity) {
             (AxisScale::Decibel, _) => format!("10 log10({symbol}) (dB)"),
             (_, Quantity::Decibels(_)) => format!("{symbol} (dB)"),
-            (_, Quantity::Distance { unit: LengthUnit::Box, .. }) => format!("{distance}{symbol} (length units)"),
-            (_, Quantity::Distance { .. }) => format!("{distance}{symbol} (closest packing = 1)"),
-            (_, Quantity::Frequency { unit: FrequencyUnit::Cycles, .. }) => {
-                format!("{frequency}{symbol} (cycles per unit length)")
+            (_, Quantity::Distance { unit: LengthUnit::Box, .. }) => {
+                format!("{distance}{symbol} ({})", self.unit_text())
             }
-            (_, Quantity::ForeignFrequency(unit)) => format!("{frequency}{symbol} ({unit})"),
+            (_, Quantity::Distance { .. }) => format!("{distance}{symbol} (closest packing = 1)"),
+            (_, Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } | Quantity::ForeignFrequency(..)) => {
+                format!("{frequency}{symbol} ({})", self.unit_text())
+            }
             (_, Quantity::Frequency { .. }) => format!("{frequency}{symbol} (cycles per mean spacing)"),
             (_, Quantity::Dimensionless(_)) => format!("{symbol} (dimensionless)"),
         }
@@ -283,30 +349,32 @@ impl Axis {
         match (self.scale, self.quantity) {
             (
                 AxisScale::Decibel,
-                Quantity::Distance { .. } | Quantity::Frequency { .. } | Quantity::ForeignFrequency(_),
+                Quantity::Distance { .. } | Quantity::Frequency { .. } | Quantity::ForeignFrequency(..),
             ) => {
                 format!("10 log10({symbol}) (dB)")
             }
             (AxisScale::Decibel, _) | (_, Quantity::Decibels(_)) => format!("{symbol} (dB)"),
-            (_, Quantity::Distance { unit: LengthUnit::Box, .. }) => format!("{symbol} (length units)"),
-            (_, Quantity::Frequency { unit: FrequencyUnit::Cycles, .. }) => {
-                format!("{symbol} (cycles per unit length)")
+            _ if self.unit_text().is_empty() => symbol,
+            _ => format!("{symbol} ({})", self.unit_text()),
+        }
+    }
+
+    /// Its unit, if that has a name of its own.
+    fn unit_text(self) -> String {
+        match self.quantity {
+            Quantity::Distance { unit: LengthUnit::Box, name, .. } => {
+                name.map_or(LENGTH_UNITS.into(), |n| n.to_string())
             }
-            (_, Quantity::ForeignFrequency(unit)) => format!("{symbol} ({unit})"),
-            _ => symbol,
+            Quantity::Frequency { unit: FrequencyUnit::Cycles, name, .. } => per_own(CYCLES, name),
+            Quantity::ForeignFrequency(unit, name) => per_own(unit, name),
+            Quantity::Decibels(_) => "dB".into(),
+            _ => String::new(),
         }
     }
 
     /// A value of the analysis with what it is and its unit: `r / d_hex = 0.9804`, `r = 0.03 length units`.
     pub fn text(self, value: f64) -> String {
-        let unit = match self.quantity {
-            Quantity::Distance { unit: LengthUnit::Box, .. } => "length units",
-            Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } => "cycles per unit length",
-            Quantity::ForeignFrequency(unit) => unit,
-            Quantity::Decibels(_) => "dB",
-            _ => "",
-        };
-        format!("{} = {} {unit}", self.symbol(), human(self.in_unit(value))).trim_end().into()
+        format!("{} = {} {}", self.symbol(), human(self.in_unit(value)), self.unit_text()).trim_end().into()
     }
 }
 

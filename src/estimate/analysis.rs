@@ -7,7 +7,7 @@ use std::fmt::Debug;
 use crate::accumulate::ComputedBy;
 use crate::plan::{Accuracy, Conventions, Correction, EnsembleShape};
 use crate::points::read::Input;
-use crate::points::{Domain, Ensemble};
+use crate::points::{Domain, Ensemble, UnitName};
 
 /// What one statistic found. Every type will do; what else it should do is in its own file.
 pub trait Finding: Any + Debug + Send + Sync {}
@@ -60,6 +60,8 @@ pub struct Analysis {
     pub parameters: Vec<(String, serde_json::Value)>,
     /// The domain.
     pub domain: Domain,
+    /// What its length unit is called, if it has a name.
+    pub unit: Option<UnitName>,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Smallest number of points in a realization.
@@ -110,6 +112,7 @@ impl Analysis {
             input: None,
             parameters: Vec::new(),
             domain: first.domain().clone(),
+            unit: None,
             shape,
             min_points: shape.max_points,
             correction: Correction::None,

@@ -7,6 +7,7 @@ pub mod geometry;
 pub mod polygon;
 pub mod read;
 mod shape;
+mod unit_name;
 pub mod write;
 
 pub use domain::{Border, Boundary, Domain};
@@ -14,6 +15,7 @@ pub use ensemble::Ensemble;
 pub(crate) use ensemble::counts_in_pairs;
 pub(crate) use fixed_point::{mantissa_exponent, round32};
 pub use shape::EnsembleShape;
+pub use unit_name::UnitName;
 
 /// Points as a reader or a sampler delivers them, before the domain is known.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,17 +9,21 @@ mod npy;
 mod outputs;
 pub mod panel;
 mod picture_figure;
+mod plot;
 mod png;
 mod points_picture;
 mod result_dir;
 mod summary;
 mod svg;
+mod terminal;
 
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
 pub use headline::headline;
+pub use plot::{Format, Plot, Plotted};
+pub use terminal::{numbers, plots};
 
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;

@@ -3,7 +3,7 @@
 use std::io;
 
 use super::{html, outputs, picture_figure};
-use crate::display::Panel;
+use crate::display::{Panel, untagged};
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
 use crate::points::{RawPoints, write};
@@ -93,32 +93,7 @@ pub fn npy(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
 
 /// What the page shows at a glance, as plain text: numbers of points, distances of neighbours, scalars of P.
 pub fn scalars(analysis: &Analysis) -> Vec<(String, String)> {
-    html::glance(analysis).into_iter().map(|(name, value)| (plain(&name), plain(&value))).collect()
-}
-
-/// HTML without its tags and escapes; an index stands behind `_`.
-fn plain(html: &str) -> String {
-    let html = html.replace("<sub>", "_").replace("<sup>", "^");
-    let mut text = String::with_capacity(html.len());
-    let mut inside = false;
-    for c in html.chars() {
-        match c {
-            '<' => inside = true,
-            '>' => inside = false,
-            c if !inside => text.push(c),
-            _ => {}
-        }
-    }
-    let escapes = [
-        ("&lt;", "<"),
-        ("&gt;", ">"),
-        ("&quot;", "\""),
-        ("&#39;", "'"),
-        ("&#8203;", ""),
-        ("&nbsp;", " "),
-        ("&amp;", "&"),
-    ];
-    escapes.iter().fold(text, |text, (escape, c)| text.replace(escape, c))
+    html::glance(analysis).into_iter().map(|(name, value)| (untagged(&name), untagged(&value))).collect()
 }
 
 /// The first realization, if it has points.

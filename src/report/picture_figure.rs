@@ -7,7 +7,9 @@ use plotters::prelude::*;
 
 use super::png;
 use super::svg::{WIDTH, fine, frame, heading, label, picture, thin};
-use crate::display::{ColorMap, Pixels, ToneMap, escape, size, spectrum_pixels, ticks, vector_pixels, vector_ticks};
+use crate::display::{
+    ColorMap, Pixels, ToneMap, Units, escape, size, spectrum_pixels, ticks, vector_pixels, vector_ticks,
+};
 use crate::estimate::Analysis;
 use crate::statistics::Svg;
 use crate::statistics::waves::{spectrum_image, tone_text};
@@ -39,7 +41,8 @@ pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
     let image = spectrum_image(analysis)?;
     let Pixels { extent, axes, .. } =
         spectrum_pixels(analysis, ToneMap::Reinhard, None, ColorMap::Viridis, None, usize::MAX)?;
-    let labels = axes.map(|axis| format!("ν_{} (cycles per unit length)", ["x", "y", "z"][axis]));
+    let cycles = Units::of(analysis).escaped().cycles;
+    let labels = axes.map(|axis| format!("ν_{} ({cycles})", ["x", "y", "z"][axis]));
     let caption = format!("P(m): {}. Tone map: {}.", image.seen, tone_text());
     let ticks = ToneMap::Reinhard.ticks(analysis.shape.mean_points);
     Some(png::image(&image).map_err(Into::into).and_then(|png| {
@@ -51,9 +54,10 @@ pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
 /// g on each plane of lags, with axes in length units.
 pub(super) fn vector(analysis: &Analysis) -> Option<Svg> {
     let ticks = vector_ticks(analysis, None)?;
+    let length = Units::of(analysis).escaped().length;
     let mut insets = Vec::new();
     for pixels in (0..).map_while(|plane| vector_pixels(analysis, None, ColorMap::BlueRed, plane, usize::MAX)) {
-        let labels = pixels.axes.map(|axis| format!("h_{} (length units)", ["x", "y", "z"][axis]));
+        let labels = pixels.axes.map(|axis| format!("h_{} ({length})", ["x", "y", "z"][axis]));
         match png::encode(
             &pixels.rgb,
             [pixels.width as u32, pixels.height as u32],

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 use super::svg::{WIDTH, fine, frame, heading, hex, label, picture, thin};
 use crate::display::figure::BLUE;
-use crate::display::{escape, human, ticks};
+use crate::display::{Units, escape, human, ticks};
 use crate::estimate::Analysis;
 use crate::statistics::{Make, Output, Place, Room, Svg, Turn};
 
@@ -18,7 +18,7 @@ impl Room for Here {
         const {
             let caption = |a: &Analysis, _: &str| Some(format!("The {}.", escape(&caption(a))));
             let place = Some(Place { heading: "Points", caption });
-            &[Output { name: "points.svg", turn: Turn::Points, make: Make::Svg(svg), place }]
+            &[Output { name: "points.svg", turn: Turn::Points, make: Make::Svg(svg), place, shown: None }]
         }
     }
 }
@@ -111,6 +111,7 @@ fn svg(analysis: &Analysis) -> Svg {
         }
         outline.push('Z');
     }
+    let length = Units::of(analysis).escaped().length;
     let mut overlay = heading("Points", &analysis.subject, &caption(analysis));
     if !outline.is_empty() {
         let _ = writeln!(overlay, r##"<path d="{outline}" stroke="#444" stroke-width="1" fill="none"/>"##);
@@ -131,7 +132,7 @@ fn svg(analysis: &Analysis) -> Svg {
         label(&mut overlay, x, TOP + height + 20.0, "middle", &text);
         marks.push([(x, TOP + height), (x, TOP + height + 5.0)]);
     }
-    label(&mut overlay, left + 0.5 * width, TOP + height + 44.0, "middle", "x (length units)");
+    label(&mut overlay, left + 0.5 * width, TOP + height + 44.0, "middle", &format!("x ({length})"));
     if let Some(side) = side_y {
         let y_range = domain.origin()[1]..domain.origin()[1] + side;
         for (t, text) in labels(&y_range, height) {
@@ -141,7 +142,7 @@ fn svg(analysis: &Analysis) -> Svg {
         }
         let _ =
             writeln!(overlay, r#"<g transform="translate({:.1} {:.1}) rotate(-90)">"#, left - 56.0, TOP + 0.5 * height);
-        label(&mut overlay, 0.0, 0.0, "middle", "y (length units)");
+        label(&mut overlay, 0.0, 0.0, "middle", &format!("y ({length})"));
         overlay.push_str("</g>\n");
     }
     let description = format!("Points. {}. {}, n = {}", analysis.subject, caption(analysis), human(n as f64));

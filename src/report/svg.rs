@@ -9,7 +9,7 @@ use std::ops::Range;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use crate::display::figure::{Figure, GREY, Layer, Rgb};
+use crate::display::figure::{Figure, GREY, Layer, Rgb, Stroke};
 use crate::display::{escape, log_ticks, shortened, thinned_band, thinned_line, ticks};
 use crate::statistics::Svg;
 
@@ -24,8 +24,10 @@ const FINE: i32 = 10;
 const COLUMNS: f64 = 2.0;
 
 const LEFT: f64 = 84.0;
-const RIGHT: f64 = 872.0;
-const BOTTOM: f64 = 532.0;
+const RIGHT_MARGIN: f64 = 28.0;
+const BOTTOM_MARGIN: f64 = 68.0;
+/// Height of a row of the legend.
+const ROW: f64 = 18.0;
 
 const GRID: RGBColor = RGBColor(232, 232, 232);
 const FRAME: RGBColor = RGBColor(90, 90, 90);
@@ -33,20 +35,75 @@ const FRAME: RGBColor = RGBColor(90, 90, 90);
 pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
+/// Px of a drawing for paper per mm: its labels are then 8 points high.
+const PER_MM: f64 = 4.6;
+
 /// The figure as SVG text.
 pub(super) fn svg(figure: &Figure) -> Svg {
-    Drawing { figure }.svg()
+    Drawing { figure, width: WIDTH, height: HEIGHT }.svg()
+}
+
+/// The figure as SVG text of so many mm.
+pub(super) fn for_paper(figure: &Figure, [width, height]: [f64; 2]) -> Svg {
+    let drawing = Drawing { figure, width: (width * PER_MM).round() as u32, height: (height * PER_MM).round() as u32 };
+    let px = format!(r#"width="{}" height="{}""#, drawing.width, drawing.height);
+    Ok(drawing.svg()?.replacen(&px, &format!(r#"width="{width}mm" height="{height}mm""#), 1))
 }
 
 /// A figure that is being drawn.
 struct Drawing<'a> {
     figure: &'a Figure,
+    width: u32,
+    height: u32,
 }
 
 impl Drawing<'_> {
+    fn right(&self) -> f64 {
+        f64::from(self.width) - RIGHT_MARGIN
+    }
+
+    fn bottom(&self) -> f64 {
+        f64::from(self.height) - BOTTOM_MARGIN
+    }
+
+    /// Where the first row of the legend stands, below what there is of a heading.
+    fn legend_top(&self) -> f64 {
+        match (&*self.figure.title, &*self.figure.subject, &*self.figure.note) {
+            ("", "", "") => 22.0,
+            (_, "", "") => 56.0,
+            _ => 94.0,
+        }
+    }
+
     /// Where the frame begins.
     fn frame_top(&self) -> f64 {
-        if self.figure.top.is_some() { 150.0 } else { 112.0 }
+        let rows = self.legend_rows().len().max(1) as f64;
+        let top = self.legend_top() + ROW * (rows - 1.0) + 18.0;
+        if self.figure.top.is_some() { top + 38.0 } else { top }
+    }
+
+    /// Layers with names, as many in a row as fit, and where they begin.
+    fn legend_rows(&self) -> Vec<Vec<(f64, &Layer)>> {
+        let mut rows: Vec<Vec<(f64, &Layer)>> = Vec::new();
+        let mut x = f64::INFINITY;
+        for layer in &self.figure.layers {
+            let (Layer::Band { name, .. } | Layer::Line { name, .. } | Layer::Level { name, .. }) = layer else {
+                continue;
+            };
+            if name.is_empty() {
+                continue;
+            }
+            let width = 33.0 + width_of(name);
+            if x + width > self.right() {
+                rows.push(Vec::new());
+                x = LEFT;
+            }
+            if let Some(row) = rows.last_mut() {
+                row.push((x, layer));
+            }
+            x += width + 24.0;
+        }
+        rows
     }
 
     /// The abscissa as it is drawn.
@@ -69,33 +126,36 @@ impl Drawing<'_> {
 
     fn px_x(&self, x: f64) -> f64 {
         let drawn = self.drawn_x();
-        LEFT + (self.place(x) - drawn.start) / (drawn.end - drawn.start) * (RIGHT - LEFT)
+        LEFT + (self.place(x) - drawn.start) / (drawn.end - drawn.start) * (self.right() - LEFT)
     }
 
     fn px_y(&self, y: f64) -> f64 {
         let drawn = self.drawn_y();
-        BOTTOM - (self.place_y(y) - drawn.start) / (drawn.end - drawn.start) * (BOTTOM - self.frame_top())
+        self.bottom() - (self.place_y(y) - drawn.start) / (drawn.end - drawn.start) * (self.bottom() - self.frame_top())
     }
 
     fn svg(&self) -> Svg {
-        let mut text = heading(self.figure.title, &self.figure.subject, &self.figure.note);
-        let x_ticks = if self.figure.log_x { log_ticks(&self.figure.x) } else { ticks(&self.figure.x, 9) };
-        let y_ticks = if self.figure.log_y { log_ticks(&self.figure.y) } else { ticks(&self.figure.y, 7) };
+        let mut text = heading(&self.figure.title, &self.figure.subject, &self.figure.note);
+        // As many ticks as there is room for their labels.
+        let across = ((self.right() - LEFT) / 87.0).round().max(2.0) as u32;
+        let upward = ((self.bottom() - self.frame_top()) / 60.0).round().max(2.0) as u32;
+        let x_ticks = if self.figure.log_x { log_ticks(&self.figure.x) } else { ticks(&self.figure.x, across) };
+        let y_ticks = if self.figure.log_y { log_ticks(&self.figure.y) } else { ticks(&self.figure.y, upward) };
         for &(x, ref label) in &x_ticks {
-            write_text(&mut text, self.px_x(x), BOTTOM + 21.0, "middle", LABEL, label);
+            write_text(&mut text, self.px_x(x), self.bottom() + 21.0, "middle", LABEL, label);
         }
         for &(y, ref label) in &y_ticks {
             write_text(&mut text, LEFT - 9.0, self.px_y(y) + 4.5, "end", LABEL, label);
         }
-        let middle = 0.5 * (LEFT + RIGHT);
-        write_text(&mut text, middle, BOTTOM + 50.0, "middle", AXIS, &self.figure.x_label);
-        let y_middle = 0.5 * (BOTTOM + self.frame_top());
+        let middle = 0.5 * (LEFT + self.right());
+        write_text(&mut text, middle, self.bottom() + 50.0, "middle", AXIS, &self.figure.x_label);
+        let y_middle = 0.5 * (self.bottom() + self.frame_top());
         let turned = format!(r#"{AXIS} transform="rotate(-90 24 {y_middle})""#);
         write_text(&mut text, 24.0, y_middle, "middle", &turned, &self.figure.y_label);
         let mut top_ticks = Vec::new();
         if let Some(top) = &self.figure.top {
             let range = self.figure.x.start / top.unit..self.figure.x.end / top.unit;
-            top_ticks = if self.figure.log_x { log_ticks(&range) } else { ticks(&range, 9) };
+            top_ticks = if self.figure.log_x { log_ticks(&range) } else { ticks(&range, across) };
             for (t, label) in &mut top_ticks {
                 *t *= top.unit;
                 write_text(&mut text, self.px_x(*t), self.frame_top() - 11.0, "middle", LABEL, label);
@@ -107,24 +167,28 @@ impl Drawing<'_> {
             if let Layer::Hint { x, label } = layer {
                 // The label stays inside the frame: it turns to the left of its line near the right end.
                 let at = self.px_x(*x);
-                let (dx, anchor) = if at > RIGHT - 150.0 { (-6.0, "end") } else { (6.0, "start") };
-                write_text(&mut text, at + dx, BOTTOM - 10.0, anchor, HINT, label);
+                let (dx, anchor) = if at > self.right() - 150.0 { (-6.0, "end") } else { (6.0, "start") };
+                write_text(&mut text, at + dx, self.bottom() - 10.0, anchor, HINT, label);
             }
         }
         let x_values = x_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let y_values = y_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let top_values = top_ticks.iter().map(|t| t.0).collect::<Vec<_>>();
-        let description = format!("{}. {}. {}", self.figure.title, escape(&self.figure.subject), self.figure.note);
-        picture((WIDTH, HEIGHT), &description, &text, |root| self.draw(root, &x_values, &y_values, &top_values))
+        let description = [escape(&self.figure.title), escape(&self.figure.subject), self.figure.note.clone()];
+        let description: Vec<_> = description.into_iter().filter(|text| !text.is_empty()).collect();
+        let description = description.join(". ");
+        picture((self.width, self.height), &description, &text, |root| {
+            self.draw(root, &x_values, &y_values, &top_values)
+        })
     }
 
     fn draw(&self, root: &Area<'_>, x_ticks: &[f64], y_ticks: &[f64], top_ticks: &[f64]) -> DrawResult {
         let px = |v: f64| fine(v) as u32;
         let mut chart = ChartBuilder::on(root)
             .margin_left(px(LEFT))
-            .margin_right(px(f64::from(WIDTH) - RIGHT))
+            .margin_right(px(RIGHT_MARGIN))
             .margin_top(px(self.frame_top()))
-            .margin_bottom(px(f64::from(HEIGHT) - BOTTOM))
+            .margin_bottom(px(BOTTOM_MARGIN))
             .build_cartesian_2d(self.drawn_x(), self.drawn_y())?;
         let level = |y: f64| [(self.drawn_x().start, self.place_y(y)), (self.drawn_x().end, self.place_y(y))];
         for &y in y_ticks {
@@ -141,16 +205,19 @@ impl Drawing<'_> {
                         chart.draw_series([Polygon::new(polygon, rgb(*color).mix(0.22))])?;
                     }
                 }
-                Layer::Line { color, width, dashed, runs, .. } => {
+                Layer::Line { color, width, stroke, runs, .. } => {
                     let style = rgb(*color).stroke_width(px(*width));
                     for run in runs {
                         let run = thinned_line(run, |p| (COLUMNS * self.px_x(p.0)).floor(), |p| p.1);
                         let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
                         for piece in clipped_line(&run, &self.drawn_y()) {
-                            if *dashed {
-                                chart.draw_series(DashedLineSeries::new(piece, 70, 45, style))?;
-                            } else {
-                                chart.draw_series(LineSeries::new(piece, style))?;
+                            match stroke.dashes() {
+                                Some((dash, gap)) => {
+                                    chart.draw_series(DashedLineSeries::new(piece, fine(dash), fine(gap), style))?;
+                                }
+                                None => {
+                                    chart.draw_series(LineSeries::new(piece, style))?;
+                                }
                             }
                         }
                     }
@@ -167,10 +234,10 @@ impl Drawing<'_> {
         }
         let at = |x: f64, y: f64| (fine(x), fine(y));
         let thin = thin();
-        root.draw(&frame((LEFT, self.frame_top()), (RIGHT, BOTTOM)))?;
+        root.draw(&frame((LEFT, self.frame_top()), (self.right(), self.bottom())))?;
         for &x in x_ticks {
             let x = self.px_x(x);
-            root.draw(&PathElement::new([at(x, BOTTOM), at(x, BOTTOM + 5.0)], thin))?;
+            root.draw(&PathElement::new([at(x, self.bottom()), at(x, self.bottom() + 5.0)], thin))?;
         }
         for &x in top_ticks {
             let x = self.px_x(x);
@@ -182,7 +249,7 @@ impl Drawing<'_> {
         }
         // Where a curve leaves the frame at the top: a mark at the edge.
         for layer in &self.figure.layers {
-            if let Layer::Line { color, runs, dashed: false, .. } = layer {
+            if let Layer::Line { color, runs, stroke: Stroke::Solid, .. } = layer {
                 let mut last = f64::NEG_INFINITY;
                 for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.figure.y.end) {
                     let (x, y) = (self.px_x(x), self.frame_top());
@@ -198,31 +265,28 @@ impl Drawing<'_> {
         Ok(())
     }
 
-    /// One row above the frame.
+    /// Rows above the frame.
     fn legend(&self, text: &mut String) {
-        const Y: f64 = 94.0;
-        let mut x = LEFT;
-        for layer in &self.figure.layers {
-            let (name, color, height, dash) = match layer {
-                Layer::Band { name, color, .. } => (name, color, 11.0, ""),
-                Layer::Line { name, color, width, dashed, .. } => {
-                    (name, color, *width, if *dashed { r#" stroke-dasharray="7 4.5""# } else { "" })
-                }
-                Layer::Level { name, .. } => (name, &GREY, 1.2, ""),
-                Layer::Hint { .. } => continue,
-            };
-            if name.is_empty() {
-                continue;
+        for (row, layers) in self.legend_rows().into_iter().enumerate() {
+            let y = self.legend_top() + ROW * row as f64;
+            for (x, layer) in layers {
+                let (name, color, height, look) = match layer {
+                    Layer::Band { name, color, .. } => (name, color, 11.0, r#" stroke-opacity="0.22""#.into()),
+                    Layer::Line { name, color, width, stroke, .. } => {
+                        let dashes = stroke.dashes().map(|(dash, gap)| format!(r#" stroke-dasharray="{dash} {gap}""#));
+                        (name, color, *width, dashes.unwrap_or_default())
+                    }
+                    Layer::Level { name, .. } => (name, &GREY, 1.2, String::new()),
+                    Layer::Hint { .. } => continue,
+                };
+                let _ = writeln!(
+                    text,
+                    r#"<path d="M{x:.1} {:.1}h26" stroke="{}" stroke-width="{height}" fill="none"{look}/>"#,
+                    y - 4.5,
+                    hex(*color),
+                );
+                write_text(text, x + 33.0, y, "start", LABEL, name);
             }
-            let opacity = if matches!(layer, Layer::Band { .. }) { r#" stroke-opacity="0.22""# } else { "" };
-            let _ = writeln!(
-                text,
-                r#"<path d="M{x:.1} {:.1}h26" stroke="{}" stroke-width="{height}" fill="none"{opacity}{dash}/>"#,
-                Y - 4.5,
-                hex(*color),
-            );
-            write_text(text, x + 33.0, Y, "start", LABEL, name);
-            x += 33.0 + width_of(name) + 24.0;
         }
     }
 }
@@ -261,6 +325,9 @@ pub(super) fn label(text: &mut String, x: f64, y: f64, anchor: &str, content: &s
 }
 
 fn write_text(text: &mut String, x: f64, y: f64, anchor: &str, attributes: &str, content: &str) {
+    if content.is_empty() {
+        return;
+    }
     let _ = writeln!(text, r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}" {attributes}>{content}</text>"#);
 }
 

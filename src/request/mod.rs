@@ -18,8 +18,8 @@ use crate::plan::{
     Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, LagReach, SmoothingKernel,
     Taper,
 };
-use crate::points::Boundary;
 use crate::points::read::RawLayout;
+use crate::points::{Boundary, UnitName};
 
 pub use device::DeviceChoice;
 pub(crate) use idle::{refuse_idle_settings, refuse_settings_of_samplers, refuse_unknown_to_convention};
@@ -170,6 +170,12 @@ pub struct PointsRequest {
     /// Fold points outside the torus back in; without it they are an error.
     #[cfg_attr(feature = "cli", arg(long))]
     pub wrap: bool,
+
+    /// Name of the length unit, such as m or µm
+    ///
+    /// The name of the length unit of the domain, such as m or µm, for axes, tables and pages. No number depends on it.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
+    pub unit: Option<UnitName>,
 }
 
 /// What to measure, and how.

@@ -111,7 +111,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 50] = [
+pub static SETTINGS: [Row; 51] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -135,6 +135,7 @@ pub static SETTINGS: [Row; 50] = [
     row!(WindowPolygon, "--window-polygon", input.window_polygon, Domain,
         conflicts: &[Setting::Sides, Setting::Sampler, Setting::Window]),
     row!(Wrap, "--wrap", input.wrap, Domain, conflicts: &[Setting::Window, Setting::WindowPolygon]),
+    row!(Unit, "--unit", input.unit, Domain),
     row!(Stats, "--stats", stats, Statistics, usual: true, default: Some("pcf,spectrum,neighbors")),
     row!(RMax, "--r-max", r_max, Distances, usual: true, conflicts: &[Setting::Edges], statistics: PAIRS, refused: OWN_BINS,
         otherwise: "8 closest-packing distances, at most half the shortest side"),
@@ -210,6 +211,15 @@ impl Setting {
             Self::Out => "--out",
             Self::Force => "--force",
             Self::Tolerance => "--tolerance",
+            Self::Figures => "--figure",
+            Self::Labels => "--labels",
+            Self::RangeX => "--x",
+            Self::RangeY => "--y",
+            Self::LogX => "--log-x",
+            Self::LogY => "--log-y",
+            Self::Colors => "--colors",
+            Self::Size => "--size",
+            Self::Format => "--format",
             _ => self.row().map_or("", |row| row.flag),
         }
     }

@@ -13,8 +13,8 @@ use crate::memory::Memory;
 use crate::plan::{
     Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper,
 };
-use crate::points::Boundary;
 use crate::points::read::RawLayout;
+use crate::points::{Boundary, UnitName};
 use crate::setting::Setting;
 
 /// One value.
@@ -89,6 +89,15 @@ impl Value for String {
     }
     fn parse(text: &str) -> Result<Self, String> {
         Ok(text.into())
+    }
+}
+
+impl Value for UnitName {
+    fn text(&self) -> String {
+        self.to_string()
+    }
+    fn parse(text: &str) -> Result<Self, String> {
+        text.parse()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What several figures draw alike.
 
-use crate::display::figure::{INK, Layer, runs};
+use crate::display::figure::{INK, Layer, Stroke, runs};
 use crate::display::{Interval, Samples, escape, extent, human, shortened};
 use crate::estimate::Analysis;
 
@@ -10,7 +10,13 @@ pub(crate) fn closed_form(analysis: &Analysis, samples: &Samples, known: bool) -
         "" => "closed form".into(),
         name => format!("closed form: {}", escape(&shortened(name, 28))),
     };
-    known.then(|| Layer::Line { name, color: INK, width: 1.4, dashed: true, runs: runs(samples.closed_form()) })
+    known.then(|| Layer::Line {
+        name,
+        color: INK,
+        width: 1.4,
+        stroke: Stroke::Dashed,
+        runs: runs(samples.closed_form()),
+    })
 }
 
 /// Says so where values lie above the axis, or where there is none.

@@ -4,6 +4,7 @@
 //!
 //! A new statistic is a room here, one line of `ROOMS`, and its stems in compute, accumulate and estimate.
 
+pub(crate) mod axes;
 mod classes;
 mod convention;
 mod covariance;
@@ -20,7 +21,7 @@ mod table;
 pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
-pub(crate) use output::{Array, Bar, Image, Make, Output, Place, Svg, Turn, Values};
+pub(crate) use output::{Array, Bar, Image, Make, Output, Place, Shown, Svg, Turn, Values};
 pub(crate) use table::Table;
 
 use crate::error::Result;
@@ -81,6 +82,11 @@ pub(crate) trait Room: Sync {
 /// Every room, in the order of the page and of the summary.
 pub(crate) const ROOMS: &[&dyn Room] =
     &[&pairs::Here, &envelope::Here, &lags::Here, &waves::Here, &covariance::Here, &convention::Here, &neighbors::Here];
+
+/// Behind a length on a terminal: the name of its unit, if it has one.
+fn in_units(a: &Analysis) -> String {
+    a.unit.map_or(String::new(), |unit| format!(" {unit}"))
+}
 
 /// What an error across realizations is.
 fn across(a: &Analysis, what: &str) -> String {

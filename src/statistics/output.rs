@@ -15,6 +15,23 @@ pub(crate) struct Output {
     pub(crate) turn: Turn,
     pub(crate) make: Make,
     pub(crate) place: Option<Place>,
+    pub(crate) shown: Option<Shown>,
+}
+
+/// What of a table is shown on a terminal.
+#[derive(Clone, Copy)]
+pub(crate) struct Shown {
+    /// What it holds.
+    pub(crate) heading: &'static str,
+    /// The first is the abscissa; those that are not there are left out. `g_` is all that begin like it.
+    pub(crate) columns: &'static [&'static str],
+}
+
+impl Shown {
+    /// Whether a column is.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.columns.iter().any(|c| *c == name || c.ends_with('_') && name.starts_with(c))
+    }
 }
 
 /// When a file is written, and so listed: first of all numbers, last what is quickest to make again.
@@ -92,12 +109,12 @@ pub(crate) enum Bar {
 impl Output {
     /// A table as CSV.
     pub(crate) const fn table(name: &'static str, make: fn(&Analysis) -> Option<Table>) -> Self {
-        Self { name, turn: Turn::Table, make: Make::Table(make), place: None }
+        Self { name, turn: Turn::Table, make: Make::Table(make), place: None, shown: None }
     }
 
     /// An array as NPY.
     pub(crate) const fn array(name: &'static str, make: fn(&Analysis) -> Option<Array<'_>>) -> Self {
-        Self { name, turn: Turn::Array, make: Make::Array(make), place: None }
+        Self { name, turn: Turn::Array, make: Make::Array(make), place: None, shown: None }
     }
 
     /// Curves as SVG.
@@ -107,7 +124,13 @@ impl Output {
         heading: &'static str,
         caption: Caption,
     ) -> Self {
-        Self { name, turn: Turn::Figure, make: Make::Figure(make), place: Some(Place { heading, caption }) }
+        Self {
+            name,
+            turn: Turn::Figure,
+            make: Make::Figure(make),
+            place: Some(Place { heading, caption }),
+            shown: None,
+        }
     }
 
     /// A picture as PNG.
@@ -117,12 +140,17 @@ impl Output {
         heading: &'static str,
         caption: Caption,
     ) -> Self {
-        Self { name, turn: Turn::Image, make: Make::Image(make), place: Some(Place { heading, caption }) }
+        Self { name, turn: Turn::Image, make: Make::Image(make), place: Some(Place { heading, caption }), shown: None }
     }
 
     /// A file that has no place in the page.
     pub(crate) const fn aside(self) -> Self {
         Self { place: None, ..self }
+    }
+
+    /// A table of which these columns are shown on a terminal.
+    pub(crate) const fn shown(self, heading: &'static str, columns: &'static [&'static str]) -> Self {
+        Self { shown: Some(Shown { heading, columns }), ..self }
     }
 
     /// Written at another turn.

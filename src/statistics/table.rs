@@ -53,6 +53,11 @@ impl Table {
             .text("p_band", bands.map(|b| b.map_or(String::new(), |b| b.law.name().to_string())))
     }
 
+    /// Names and cells of its columns.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = (&str, &[String])> {
+        self.columns.iter().map(|(name, cells)| (name.as_ref(), cells.as_slice()))
+    }
+
     /// The table as CSV: one header line, then one line per row.
     pub(crate) fn csv(&self) -> std::io::Result<Vec<u8>> {
         let mut writer = csv::Writer::from_writer(Vec::new());

@@ -3,6 +3,95 @@
 use crate::shared::{Scratch, column, csv, npy, summary};
 
 #[test]
+fn without_a_directory_the_main_numbers_are_printed() {
+    let scratch = Scratch::new();
+    let asked = "analyze --sampler jittered -n 64 -k 4 --stats pcf,k-function,spectrum,neighbors --device cpu";
+    let printed = scratch.ok(asked);
+    assert_eq!(std::fs::read_dir(scratch.0.path()).unwrap().count(), 0, "nothing is written");
+    scratch.ok(&format!("{asked} --out result"));
+    // Tables as wide as their cells, the first and the last row among 16, with the numbers of the files.
+    for (heading, file, names) in [
+        ("pair correlation function", "pcf.csv", "r g g_se"),
+        ("Ripley's K function", "k_function.csv", "r k k_se l_se l_minus_r neighbors"),
+        ("radial mean of the power spectrum", "spectrum_radial.csv", "nu p p_se anisotropy_db p_lo p_hi"),
+        (
+            "nearest-neighbour and empty-space functions",
+            "neighbor_functions.csv",
+            "r g_function g_function_se f_function f_function_se j_function poisson",
+        ),
+    ] {
+        let (_, table) =
+            printed.split_once(&format!("\n# {heading}, ")).unwrap_or_else(|| panic!("{heading}: {printed}"));
+        let table: Vec<Vec<&str>> =
+            table.lines().skip(1).take_while(|l| !l.is_empty()).map(|l| l.split_whitespace().collect()).collect();
+        assert_eq!(table[0].join(" "), names);
+        assert_eq!(table.len(), 17);
+        let whole = csv(&scratch.path("result").join(file));
+        for (k, name) in table[0].iter().enumerate() {
+            let cells: Vec<String> = column(&whole, name);
+            for (row, cell) in [(1, cells.first()), (16, cells.last())] {
+                let (printed, whole) = (table[row][k].parse::<f64>(), cell.unwrap().parse::<f64>());
+                match (printed, whole) {
+                    (Ok(printed), Ok(whole)) => {
+                        assert!((printed - whole).abs() <= 5e-4 * whole.abs(), "{name}: {whole}")
+                    }
+                    _ => assert_eq!((table[row][k], cell.unwrap().as_str()), ("-", "")),
+                }
+            }
+        }
+    }
+    for said in ["g(r): 256 bins", "Intensity λ ", "64 per unit area", "Effective Nyquist frequency"] {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    assert!(!printed.contains(['<', '\u{2800}']), "no tags, and no plot on a pipe: {printed}");
+    let quiet = scratch.ok(&format!("{asked} --quiet"));
+    assert!(printed.ends_with(&quiet) && quiet.starts_with("\nPoints per realization n"), "{quiet}");
+    let output = scratch.run(&format!("{asked} --force"));
+    let errors = String::from_utf8(output.stderr).unwrap();
+    let expected = "error: --force (given): needs --out: without it nothing is written\n";
+    assert_eq!((output.status.code(), errors.as_str()), (Some(2), expected));
+}
+
+/// Wherever a length or a frequency is shown, and nowhere among the columns. What is no XML is escaped.
+#[test]
+fn the_length_unit_has_the_name_it_is_given() {
+    let scratch = Scratch::new();
+    let asked =
+        "analyze --sampler jittered -n 36 -k 2 --stats pcf,pcf-vector,k-function,spectrum,neighbors --device cpu";
+    scratch.ok(&format!("{asked} --out plain --quiet"));
+    let printed = scratch.ok(&format!("{asked} --out named --unit <µm>"));
+    assert!(printed.contains(" <µm>, mean ") && printed.contains(") <µm>, "), "{printed}");
+    let printed = scratch.ok(&format!("{asked} --unit µm"));
+    for said in ["r in µm:", "nu in cycles per µm:", " 36 per µm²\n"] {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    for file in std::fs::read_dir(scratch.path("named")).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        let [plain, named] = ["plain", "named"].map(|dir| std::fs::read(scratch.path(dir).join(&name)).unwrap());
+        if !name.ends_with("svg") && !name.ends_with("html") {
+            assert_eq!(plain == named, name != "summary.json", "{name}");
+            continue;
+        }
+        let [plain, named] = [plain, named].map(|text| String::from_utf8(text).unwrap());
+        assert!(!named.contains("length unit") && !named.contains("unit length"), "{name}");
+        // Directions alone have no unit; nothing else has none.
+        assert_eq!(
+            named.contains("&lt;µm&gt;"),
+            plain.contains("length unit") || plain.contains("unit length"),
+            "{name}"
+        );
+        if name.ends_with("svg") {
+            roxmltree::Document::parse(&named).unwrap();
+        }
+    }
+    assert_eq!(summary(&scratch.path("named"))["parameters"]["unit"], "<µm>");
+    let output = scratch.command().args(asked.split(' ')).args(["--unit", " "]).output().unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(errors.contains("--unit <NAME>': expected the name of a length unit, such as m or µm"), "{errors}");
+}
+
+#[test]
 fn analyze_writes_what_it_promises() {
     let scratch = Scratch::new();
     scratch.ok("analyze --sampler jittered -n 64 -k 20 --seed 3 --kernel epanechnikov --device cpu --out result");

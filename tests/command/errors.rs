@@ -713,7 +713,6 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     }
     // What clap itself refuses: exit code 2, the flag named.
     for (arguments, named) in [
-        ("analyze ok.csv", "--out"),
         ("analyze ok.csv --out o --stats pcf,color", "color"),
         ("analyze ok.csv --out o --device tpu", "--device"),
         ("analyze ok.csv --out o --r-max 0.1 --edges edges.txt", "--edges"),

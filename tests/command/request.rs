@@ -7,7 +7,7 @@ use pairwave::request::{Request, shell_words};
 #[test]
 fn a_request_is_a_command_line() {
     let lines = [
-        "--sampler jittered -n 100 -k 4 --dim 3 --seed 9 --param a=1 --param b=2 --domain torus --box 1,2.5,1e-7 --wrap",
+        "--sampler jittered -n 100 -k 4 --dim 3 --seed 9 --param a=1 --param b=2 --domain torus --box 1,2.5,1e-7 --wrap --unit mm",
         "--raw f32x2 --weight-column w --class-column=-3 --domain window --window=-1,1,0,2 a.txt - b.txt",
         "--class-column 3 --classes A,B --stats pcf,radial,pcf-vector,k-function,covariance --edges e.txt x.npy",
         "--r-max 0.25 --bins 12 --bin-scale log --beyond-half --lag-bins 8 --lag-max 0.125 --lag-rings 0.1,0.2 x",

@@ -100,8 +100,11 @@ fn choice<T: Copy + PartialEq>(
 ) -> bool {
     row(ui, name, help, |ui, label| {
         let before = *value;
-        let combo =
-            egui::ComboBox::from_id_salt(name).selected_text(text(*value)).width(ui.available_width()).truncate();
+        let combo = egui::ComboBox::from_id_salt(name)
+            .selected_text(text(*value))
+            .width(ui.available_width())
+            .truncate()
+            .height(600.0);
         let shown = combo.show_ui(ui, |ui| all.iter().for_each(|&one| _ = ui.selectable_value(value, one, text(one))));
         shown.response.labelled_by(label).on_hover_text(help);
         *value != before

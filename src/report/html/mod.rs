@@ -9,7 +9,7 @@ pub(super) use color_bar::color_bar;
 
 use super::outputs::{Picture, sections};
 use crate::accumulate::Backend;
-use crate::display::{escape, human, packing_symbol, size};
+use crate::display::{Units, escape, human, packing_symbol, size};
 use crate::estimate::Analysis;
 use crate::statistics::Row;
 
@@ -111,12 +111,17 @@ fn domain(a: &Analysis) -> String {
     }
 }
 
-/// The unit of an intensity.
-fn per_measure(dim: usize) -> &'static str {
-    match dim {
-        1 => "per unit length",
-        2 => "per unit area",
-        _ => "per unit volume",
+/// The unit of an intensity, in HTML.
+fn per_measure(a: &Analysis) -> String {
+    let dim = a.domain.dim();
+    let power = |name: &str| if dim == 1 { format!("per {name}") } else { format!("per {name}<sup>{dim}</sup>") };
+    match (a.unit, dim) {
+        // A power of what is several words or has one of its own needs parentheses.
+        (Some(unit), _) if dim == 1 || unit.as_str().chars().all(char::is_alphabetic) => power(&escape(unit.as_str())),
+        (Some(unit), _) => power(&format!("({})", escape(unit.as_str()))),
+        (None, 1) => "per unit length".into(),
+        (None, 2) => "per unit area".into(),
+        (None, _) => "per unit volume".into(),
     }
 }
 
@@ -130,16 +135,17 @@ pub(super) fn glance(a: &Analysis) -> Vec<(String, String)> {
     };
     let (d, which) = packing_symbol(dim);
     let symbol = format!("<i>{d}</i><sub>{which}</sub>");
+    let length = Units::of(a).escaped().length;
     let mut rows: Vec<(String, String)> = vec![
         ("Points per realization <i>n</i>".into(), n),
         ("Realizations <i>K</i>".into(), a.shape.realizations.to_string()),
         (
             "Intensity <i>λ</i>".into(),
-            format!("{} {}", human(a.shape.mean_points / a.domain.measure()), per_measure(dim)),
+            format!("{} {}", human(a.shape.mean_points / a.domain.measure()), per_measure(a)),
         ),
         (
             format!("Closest-packing distance {symbol}"),
-            format!("{} length units", human(a.domain.closest_packing_distance(a.shape.mean_points))),
+            format!("{} {length}", human(a.domain.closest_packing_distance(a.shape.mean_points))),
         ),
     ];
     // Points before their pairs and frequencies.

@@ -1,10 +1,13 @@
 //! Pictures of g of the vector: on the grid of lags, in colours that part at g = 1, lag 0 at the centre, the y axis up; and along
 //! rings, by direction.
 
-use crate::display::figure::{BLUE, Figure, GREEN, Layer, ORANGE, PURPLE, SKY, VERMILION, band_runs, runs};
-use crate::display::{about_one, diverging, error_note, escape, human, lag_color_range, lag_planes, lag_slice, size};
+use crate::display::figure::{BLUE, Figure, GREEN, Layer, ORANGE, PURPLE, SKY, Stroke, VERMILION, band_runs, runs};
+use crate::display::{
+    Units, about_one, diverging, error_note, escape, human, lag_color_range, lag_planes, lag_slice, size,
+};
 use crate::estimate::{Analysis, Normalization, VectorCorrelation};
 use crate::plan::Correction;
+use crate::statistics::axes;
 use crate::statistics::layers::half_turn;
 use crate::statistics::{Bar, Image};
 
@@ -121,14 +124,15 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
         layers.push(Layer::Band { name: String::new(), color, runs: band_runs(band) });
         let name = format!("r = {}", human(ring[0].r[1]));
         let line = runs(samples.iter().map(|&(x, y)| (x, y.map(|y| y.0))));
-        layers.push(Layer::Line { name, color, width: 1.6, dashed: false, runs: line });
+        layers.push(Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: line });
     }
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Pair correlation function along rings g(r, θ)",
+        title: axes::PCF_ANGULAR.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(vector.errors, "Poisson counts")),
-        x_label: "direction θ of the lag (degrees from the x axis)".into(),
-        y_label: "g(r, θ) (dimensionless)".into(),
+        x_label: axes::PCF_ANGULAR.x_label(&units),
+        y_label: axes::PCF_ANGULAR.y_label(&units),
         x: 0.0..180.0,
         y,
         log_x: false,

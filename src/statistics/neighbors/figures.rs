@@ -1,8 +1,9 @@
 //! The picture of G and F, and its caption.
 
-use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, TopAxis, VERMILION, band_runs, runs, sub};
-use crate::display::{error_note, escape, extent, human, packing_symbol, shortened, size};
+use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::{Units, error_note, escape, extent, human, packing_symbol, shortened, size};
 use crate::estimate::{Analysis, NeighborFunctions};
+use crate::statistics::axes;
 use crate::statistics::envelope;
 use crate::statistics::envelope::global_band;
 
@@ -19,9 +20,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
         let range = |(y, se): (&Option<f64>, &Option<f64>)| y.zip(*se).map(|(y, se)| (y - se, y + se));
         band_runs(intervals().zip(y.iter().zip(se).map(range)))
     };
-    let curve = |name: &str, color, dashed, y: &[Option<f64>]| {
+    let curve = |name: &str, color, stroke, y: &[Option<f64>]| {
         let runs = runs(intervals().zip(y.iter().copied()));
-        Layer::Line { name: name.into(), color, width: 1.6, dashed, runs }
+        Layer::Line { name: name.into(), color, width: 1.6, stroke, runs }
     };
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
     let at: Vec<_> = intervals().collect();
@@ -32,20 +33,21 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     layers.extend([
         Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
         Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },
-        curve("G: point to nearest point", BLUE, false, &functions.g),
-        curve("F: place to nearest point", VERMILION, false, &functions.f),
-        curve("Poisson: G = F", INK, true, &poisson),
+        curve("G: point to nearest point", BLUE, Stroke::Solid, &functions.g),
+        curve("F: place to nearest point", VERMILION, Stroke::Solid, &functions.f),
+        curve("Poisson: G = F", INK, Stroke::Dashed, &poisson),
     ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
     let edges = if analysis.domain.is_torus() { "" } else { " · Kaplan-Meier" };
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Nearest-neighbour and empty-space functions",
+        title: axes::NEIGHBORS.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{}{edges} · {}", size(analysis), error_note(functions.errors, "binomial")),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "probability".into(),
+        x_label: axes::NEIGHBORS.x_label(&units),
+        y_label: axes::NEIGHBORS.y_label(&units),
         x: r[0].min(0.0)..end,
         y: 0.0..1.06,
         log_x: false,
@@ -92,16 +94,17 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             name: [from, to].map(|name| escape(&shortened(name, 18))).join(" → "),
             color,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(r.iter().map(|&r| (r, r, r)).zip(j.iter().copied())),
         });
     }
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "J functions of two classes",
+        title: axes::NEIGHBORS_CROSS.title.into(),
         subject: analysis.subject.clone(),
         note: size(analysis),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "J(r) (dimensionless)".into(),
+        x_label: axes::NEIGHBORS_CROSS.x_label(&units),
+        y_label: axes::NEIGHBORS_CROSS.y_label(&units),
         x: r[0].min(0.0)..end,
         y: (lo - pad).max(0.0)..hi + pad,
         log_x: false,

@@ -7,8 +7,8 @@ mod sums;
 mod tables;
 
 use super::group::{Ask, Parts};
-use super::{Keys, Output, Room, Row, across};
-use crate::display::{human, packing_symbol, with_error};
+use super::{Keys, Output, Room, Row, across, in_units};
+use crate::display::{Units, human, packing_symbol, with_error};
 use crate::error::Result;
 use crate::estimate::{Analysis, Curve, ErrorSource};
 
@@ -35,8 +35,12 @@ impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             &[
-                Output::table("neighbor_functions.csv", tables::functions),
-                Output::table("neighbor_functions_cross.csv", tables::cross),
+                Output::table("neighbor_functions.csv", tables::functions).shown(
+                    "nearest-neighbour and empty-space functions",
+                    &["r", "g_function", "g_function_se", "f_function", "f_function_se", "j_function", "poisson"],
+                ),
+                Output::table("neighbor_functions_cross.csv", tables::cross)
+                    .shown("J functions of two classes", &["r", "j_function_"]),
                 Output::figure("neighbor_functions.svg", figures::functions, "Nearest neighbours", figures::caption),
                 Output::figure(
                     "neighbor_functions_cross.svg",
@@ -60,9 +64,10 @@ impl Room for Here {
         if let Some(neighbors) = a.neighbors() {
             let nn = &neighbors.distances;
             let relative = |r: Option<f64>| r.map_or(String::new(), |r| format!(" ({} {symbol})", human(r)));
+            let length = Units::of(a).escaped().length;
             let value = |v: Option<f64>, se, r| {
                 v.map_or("undefined: no realization has two points".into(), |v| {
-                    format!("{} length units{}", with_error(v, se), relative(r))
+                    format!("{} {length}{}", with_error(v, se), relative(r))
                 })
             };
             rows.push(("Smallest nearest-neighbour distance".into(), value(nn.minimum, None, nn.minimum_relative)));
@@ -115,7 +120,8 @@ impl Room for Here {
             let relative =
                 nn.mean_relative.map_or(String::new(), |r| format!(" ({} of the closest packing)", human(r)));
             let (minimum, mean) = (value(nn.minimum, None), value(nn.mean, nn.mean_se));
-            lines.push(format!("nearest neighbour: smallest {minimum}, mean {mean}{relative}"));
+            let unit = in_units(a);
+            lines.push(format!("nearest neighbour: smallest {minimum}{unit}, mean {mean}{unit}{relative}"));
             if let Some(clark_evans) = &neighbors.clark_evans {
                 let index = with_error(clark_evans.index, clark_evans.index_se);
                 lines.push(format!(

@@ -1,11 +1,12 @@
 //! Pictures of g, of two classes and of K, and their captions.
 
-use crate::display::figure::{BLUE, Figure, GREEN, Layer, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::figure::{BLUE, Figure, GREEN, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{
-    Panel, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
+    Panel, Units, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
 };
 use crate::estimate::{Analysis, KFunction, Normalization};
 use crate::plan::{Correction, SmoothingKernel};
+use crate::statistics::axes;
 use crate::statistics::envelope;
 use crate::statistics::envelope::global_band;
 use crate::statistics::layers::{closed_form, cut};
@@ -31,12 +32,18 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     layers.extend(envelope.map(|e| global_band(analysis, "", &intervals, e)));
     layers.extend([
         Layer::Band { name: "±1 s.e.".into(), color: BLUE, runs: band_runs(samples.bands()) },
-        Layer::Line { name: "estimate".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
+        Layer::Line {
+            name: "estimate".into(),
+            color: BLUE,
+            width: 1.6,
+            stroke: Stroke::Solid,
+            runs: runs(samples.values()),
+        },
     ]);
     if let Some(k) = kernel {
         let name = format!("{} kernel", kernel_name(k.kernel.shape));
         let smoothed = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
-        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, dashed: false, runs: runs(smoothed) });
+        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, stroke: Stroke::Solid, runs: runs(smoothed) });
     }
     layers.extend(closed_form(analysis, &samples, analysis.closed_form.g.is_some()));
     let (d, which) = packing_symbol(analysis.domain.dim());
@@ -50,8 +57,9 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     let bandwidth = kernel.map_or(String::new(), |k| format!("; kernel s.d. {}", human(k.kernel.bandwidth)));
     let random =
         envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Pair correlation function g(r)",
+        title: axes::PCF.title.into(),
         subject: analysis.subject.clone(),
         note: format!(
             "{}{normalization} · {}{random}{bandwidth}{}{below}",
@@ -59,8 +67,8 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)
         ),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "g(r) (dimensionless)".into(),
+        x_label: axes::PCF.x_label(&units),
+        y_label: axes::PCF.y_label(&units),
         x: if log_x { first.0..last.2 } else { 0f64.min(first.0)..last.2 },
         y,
         log_x,
@@ -79,10 +87,11 @@ pub(super) fn pcf_caption(a: &Analysis, _: &str) -> Option<String> {
     };
     let kernel = a.kernel().map_or(String::new(), |k| {
         format!(
-            " The second curve is smoothed with {} {} kernel whose standard deviation is {} length units.",
+            " The second curve is smoothed with {} {} kernel whose standard deviation is {} {}.",
             if k.kernel.shape == SmoothingKernel::Epanechnikov { "an" } else { "a" },
             kernel_name(k.kernel.shape),
-            human(k.kernel.bandwidth)
+            human(k.kernel.bandwidth),
+            Units::of(a).escaped().length
         )
     });
     let weights = match a.correction {
@@ -115,7 +124,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
     let top = top_of(&values, &own);
     let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
     let at = |g: &[f64]| runs(intervals.iter().zip(g).map(|(&x, &g)| (x, Some(g))));
-    let line = |name, color, g: &[f64]| Layer::Line { name, color, width: 1.6, dashed: false, runs: at(g) };
+    let line = |name, color, g: &[f64]| Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: at(g) };
     let layers = vec![
         Layer::Level { name: "g = 1".into(), y: 1.0 },
         Layer::Band {
@@ -127,8 +136,9 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
         line(format!("{b} – {b}"), VERMILION, &cross.b.g),
         line(format!("{a} – {b}"), BLUE, &between.g),
     ];
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Pair correlation functions of two classes",
+        title: axes::PCF_CROSS.title.into(),
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
@@ -136,8 +146,8 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             error_note(between.errors, "Poisson counts"),
             cut([&cross.a.g, &cross.b.g, &between.g].into_iter().flatten().copied(), top)
         ),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "g(r) (dimensionless)".into(),
+        x_label: axes::PCF_CROSS.x_label(&units),
+        y_label: axes::PCF_CROSS.y_label(&units),
         x: 0f64.min(intervals.first()?.0)..intervals.last()?.2,
         y: 0.0..top,
         log_x: false,
@@ -188,19 +198,20 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
             name: "L(r) − r".into(),
             color: BLUE,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(intervals.iter().zip(&values).map(|(&x, v)| (x, v.0.is_finite().then_some(v.0)))),
         },
     ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
     let symbol = format!("{d}{}", sub(which));
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "L(r) − r, from Ripley's K function",
+        title: axes::K_FUNCTION.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(k.errors, "Poisson counts")),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "L(r) − r (length units of the domain)".into(),
+        x_label: axes::K_FUNCTION.x_label(&units),
+        y_label: axes::K_FUNCTION.y_label(&units),
         x: 0.0..intervals.last()?.2,
         y: lo - pad..hi + pad,
         log_x: false,
@@ -242,7 +253,7 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
     let at = |k: &KFunction| runs(intervals.iter().zip(&k.l_minus_r).map(|(&x, &l)| (x, l.is_finite().then_some(l))));
-    let line = |name, color, k: &KFunction| Layer::Line { name, color, width: 1.6, dashed: false, runs: at(k) };
+    let line = |name, color, k: &KFunction| Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: at(k) };
     let layers = vec![
         Layer::Level { name: "independent: L = r".into(), y: 0.0 },
         Layer::Band {
@@ -254,12 +265,13 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
         line(format!("{b} – {b}"), VERMILION, &cross.b),
         line(format!("{a} – {b}"), BLUE, between),
     ];
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "L(r) − r of two classes, from Ripley's K function",
+        title: axes::K_FUNCTION_CROSS.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {}", size(analysis), error_note(between.errors, "Poisson counts")),
-        x_label: "distance r (length units of the domain)".into(),
-        y_label: "L(r) − r (length units of the domain)".into(),
+        x_label: axes::K_FUNCTION_CROSS.x_label(&units),
+        y_label: axes::K_FUNCTION_CROSS.y_label(&units),
         x: 0.0..intervals.last()?.2,
         y: lo - pad..hi + pad,
         log_x: false,

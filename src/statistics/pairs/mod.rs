@@ -8,7 +8,7 @@ mod summary;
 mod tables;
 
 use super::group::{Ask, Parts};
-use super::{Keys, Output, Room, Row, across};
+use super::{Keys, Output, Room, Row, across, in_units};
 use crate::display::human;
 use crate::error::{Result, plural};
 use crate::estimate::{Analysis, Curve, ErrorSource};
@@ -57,10 +57,13 @@ impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             &[
-                Output::table("pcf.csv", tables::pcf),
-                Output::table("pcf_cross.csv", tables::cross),
-                Output::table("k_function.csv", tables::k_function),
-                Output::table("k_function_cross.csv", tables::cross_k),
+                Output::table("pcf.csv", tables::pcf)
+                    .shown("pair correlation function", &["r", "g", "g_se", "g_kernel", "g_kernel_se"]),
+                Output::table("pcf_cross.csv", tables::cross).shown("g of two classes", &["r", "g_"]),
+                Output::table("k_function.csv", tables::k_function)
+                    .shown("Ripley's K function", &["r", "k", "k_se", "l_minus_r", "l_se", "neighbors"]),
+                Output::table("k_function_cross.csv", tables::cross_k)
+                    .shown("L - r of two classes", &["r", "l_minus_r_"]),
                 Output::figure("pcf.svg", figures::pcf, "Pair correlation function", figures::pcf_caption),
                 Output::figure("pcf_cross.svg", figures::cross, "Two classes of points", figures::cross_caption),
                 Output::figure("k_function.svg", figures::k_function, "Ripley's <i>K</i> function", figures::k_caption),
@@ -118,11 +121,8 @@ impl Room for Here {
         if let Some(g) = a.pair_correlation() {
             let pairs: u64 = g.count.iter().sum();
             let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
-            lines.push(format!(
-                "g(r): {} over {range}, {}",
-                plural(g.g.len() as u64, "bin"),
-                plural(pairs, "ordered pair")
-            ));
+            let (bins, pairs) = (plural(g.g.len() as u64, "bin"), plural(pairs, "ordered pair"));
+            lines.push(format!("g(r): {bins} over {range}{}, {pairs}", in_units(a)));
         }
         if let Some(cross) = a.cross() {
             let pairs: u64 = cross.between.count.iter().sum();
@@ -138,7 +138,8 @@ impl Room for Here {
         if let Some(k) = a.k_function()
             && let (Some(&r), Some(&neighbors)) = (k.r.last(), k.neighbors.last())
         {
-            lines.push(format!("K(r): {} further points within {} of a point, on average", human(neighbors), human(r)));
+            let (neighbors, r, unit) = (human(neighbors), human(r), in_units(a));
+            lines.push(format!("K(r): {neighbors} further points within {r}{unit} of a point, on average"));
         }
         lines
     }

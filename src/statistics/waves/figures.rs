@@ -1,8 +1,9 @@
 //! Curves of P: over rings, along axes, by direction; and their captions.
 
-use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, VERMILION, band_runs, runs};
-use crate::display::{FrequencyUnit, Panel, about_one, defined_anisotropy, error_note, human, size, top_of};
+use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, Stroke, VERMILION, band_runs, runs};
+use crate::display::{FrequencyUnit, Panel, Units, about_one, defined_anisotropy, error_note, human, size, top_of};
 use crate::estimate::{Analysis, AxisMode, Band, SectorPower};
+use crate::statistics::axes;
 use crate::statistics::layers::{closed_form, cut, half_turn};
 
 /// Below this many realizations the band of a single mode fills the frame and is left to the file.
@@ -23,14 +24,15 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
             name: "radial mean".into(),
             color: BLUE,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(samples.values()),
         },
     ];
     layers.extend(closed_form(analysis, &samples, analysis.closed_form.radial.is_some()));
     layers.extend(mean_frequency(analysis, x.end));
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Radial mean of the power spectrum P(ν)",
+        title: axes::RADIAL.title.into(),
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
@@ -38,8 +40,8 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
             error_note(radial.errors, "exponential ordinates"),
             cut(rings.iter().map(|r| r.p), samples.range.end)
         ),
-        x_label: frequency_label(analysis),
-        y_label: "P(ν) (dimensionless)".into(),
+        x_label: axes::RADIAL.x_label(&units),
+        y_label: axes::RADIAL.y_label(&units),
         x,
         y: samples.range,
         log_x: false,
@@ -89,7 +91,13 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
     let mut layers = vec![
         Layer::Band { name: "expected scatter, ±1 s.d.".into(), color: GREY, runs: band_runs(samples.bands()) },
         Layer::Level { name: format!("isotropic: {db} dB"), y: reference },
-        Layer::Line { name: "anisotropy".into(), color: BLUE, width: 1.6, dashed: false, runs: runs(samples.values()) },
+        Layer::Line {
+            name: "anisotropy".into(),
+            color: BLUE,
+            width: 1.6,
+            stroke: Stroke::Solid,
+            runs: runs(samples.values()),
+        },
     ];
     layers.extend(mean_frequency(analysis, x.end));
     let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size(analysis));
@@ -98,12 +106,13 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
     } else if outside > 0 {
         note.push_str(&format!(" · outside the frame: {outside} of {} rings", rings.len()));
     }
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Anisotropy of the power spectrum",
+        title: axes::ANISOTROPY.title.into(),
         subject: analysis.subject.clone(),
         note,
-        x_label: frequency_label(analysis),
-        y_label: "anisotropy (dB)".into(),
+        x_label: axes::ANISOTROPY.x_label(&units),
+        y_label: axes::ANISOTROPY.y_label(&units),
         x,
         y,
         log_x: false,
@@ -125,7 +134,7 @@ pub(super) fn anisotropy_caption(_: &Analysis, _: &str) -> Option<String> {
 }
 
 /// P against nu along every axis.
-pub(super) fn axes(analysis: &Analysis) -> Option<Figure> {
+pub(super) fn along_axes(analysis: &Analysis) -> Option<Figure> {
     let modes = &analysis.details()?.axes.modes;
     let end = modes.iter().map(|m| m.nu).fold(0.0, f64::max);
     let banded = analysis.radial().is_some_and(|r| r.realizations >= BANDS_FROM);
@@ -145,16 +154,17 @@ pub(super) fn axes(analysis: &Analysis) -> Option<Figure> {
         let (half, axis) = (half(slice), slice[0].axis);
         let line = runs(slice.iter().map(|m| (interval(m, half), Some(m.p))));
         let name = format!("along {}", ["x", "y", "z"][axis]);
-        layers.push(Layer::Line { name, color: colors[axis], width: 1.3, dashed: false, runs: line });
+        layers.push(Layer::Line { name, color: colors[axis], width: 1.3, stroke: Stroke::Solid, runs: line });
     }
     layers.extend(mean_frequency(analysis, end));
     let bands = if banded { "bands: 95 % of each mode" } else { "single modes; their 95 % bands are in the file" };
+    let units = Units::of(analysis).escaped();
     (end > 0.0).then(|| Figure {
-        title: "Power spectrum along the axes",
+        title: axes::AXES.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {bands}{}", size(analysis), cut(modes.iter().map(|m| m.p), top)),
-        x_label: "frequency ν (cycles per unit length)".into(),
-        y_label: "P(ν) (dimensionless)".into(),
+        x_label: axes::AXES.x_label(&units),
+        y_label: axes::AXES.y_label(&units),
         x: 0.0..end,
         y: 0.0..top,
         log_x: false,
@@ -198,16 +208,17 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
             name: "sector over ring means".into(),
             color: BLUE,
             width: 1.6,
-            dashed: false,
+            stroke: Stroke::Solid,
             runs: runs(samples.iter().map(|&(x, s)| (x, s.ratio))),
         },
     ];
+    let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: "Power by direction",
+        title: axes::ANGULAR.title.into(),
         subject: analysis.subject.clone(),
         note: format!("{} · {} sectors of {} degrees", size(analysis), sectors.len(), 180.0 / sectors.len() as f64),
-        x_label: "direction θ of the frequency (degrees from the x axis)".into(),
-        y_label: "P(θ) / P if isotropic (dimensionless)".into(),
+        x_label: axes::ANGULAR.x_label(&units),
+        y_label: axes::ANGULAR.y_label(&units),
         x: 0.0..180.0,
         y,
         log_x: false,
@@ -225,15 +236,6 @@ pub(super) fn angular_caption(_: &Analysis, _: &str) -> Option<String> {
          Opposite directions are the same."
             .into(),
     )
-}
-
-/// What ν is, by whose convention.
-fn frequency_label(analysis: &Analysis) -> String {
-    let unit = analysis.conventions.unit();
-    match analysis.conventions.foreign {
-        false => format!("frequency ν ({unit})"),
-        true => format!("frequency ν ({unit}; rings of {})", analysis.conventions.of),
-    }
 }
 
 /// The frequency of one cycle per mean spacing, `lambda^(1/d)`, if it lies in the frame.

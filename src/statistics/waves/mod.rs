@@ -31,8 +31,10 @@ impl Room for Here {
     fn outputs(&self) -> &'static [Output] {
         const {
             &[
-                Output::table("spectrum_radial.csv", tables::radial),
-                Output::table("spectrum_list.csv", tables::spectrum_list),
+                Output::table("spectrum_radial.csv", tables::radial)
+                    .shown("radial mean of the power spectrum", &["nu", "p", "p_se", "p_lo", "p_hi", "anisotropy_db"]),
+                Output::table("spectrum_list.csv", tables::spectrum_list)
+                    .shown("power spectrum at listed wave vectors", &["nu_", "p", "p_se", "p_lo", "p_hi"]),
                 Output::table("spectrum_axes.csv", tables::axes),
                 Output::table("spectrum_angular.csv", tables::sectors),
                 Output::table("spectrum_from_pcf.csv", tables::spectrum_from_pcf),
@@ -41,7 +43,7 @@ impl Room for Here {
                 Output::array("spectrum_se.npy", p_se),
                 Output::figure("spectrum_radial.svg", figures::radial, HEADING, figures::radial_caption),
                 Output::figure("anisotropy.svg", figures::anisotropy, HEADING, figures::anisotropy_caption),
-                Output::figure("spectrum_axes.svg", figures::axes, HEADING, figures::axes_caption),
+                Output::figure("spectrum_axes.svg", figures::along_axes, HEADING, figures::axes_caption),
                 Output::figure("spectrum_angular.svg", figures::angular, HEADING, figures::angular_caption),
                 Output::image("spectrum.png", image::image, HEADING, image::caption),
                 Output::image("spectrum_grey.png", image::grey, HEADING, image::caption).aside(),

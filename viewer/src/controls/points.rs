@@ -10,12 +10,13 @@ use crate::set::{Set, fitting, of_sampler};
 use crate::style;
 
 /// Settings of files.
-pub(super) const OF_FILES: [(Setting, &str); 10] = [
+pub(super) const OF_FILES: [(Setting, &str); 11] = [
     (Setting::Domain, "domain"),
     (Setting::Sides, "box"),
     (Setting::Window, "window"),
     (Setting::WindowPolygon, "polygon"),
     (Setting::Wrap, "fold points outside back in"),
+    (Setting::Unit, "unit"),
     (Setting::Raw, "raw numbers"),
     (Setting::Array, "arrays"),
     (Setting::Columns, "columns"),

@@ -49,13 +49,13 @@ fn choose(window: &mut Window, combo: &str, value: &str) {
 #[test]
 fn points_are_chosen_by_name() {
     let mut window = window("--sampler jittered -n 100 -k 4");
-    choose(&mut window, "sampler", "thomas");
-    assert_eq!(command(&window), "pairwave analyze --sampler thomas -n 100 -k 4");
+    choose(&mut window, "sampler", "poisson");
+    assert_eq!(command(&window), "pairwave analyze --sampler poisson -n 100 -k 4");
     window.get_by_role_and_label(Role::SpinButton, "n").set_value_accesskit(120.0);
     window.run_steps(2);
     window.get_by_role_and_label(Role::SpinButton, "seed").set_value_accesskit(7.0);
     window.run_steps(2);
-    assert_eq!(command(&window), "pairwave analyze --sampler thomas -n 120 -k 4 --seed 7");
+    assert_eq!(command(&window), "pairwave analyze --sampler poisson -n 120 -k 4 --seed 7");
     // Strata need a square: the nearest one.
     choose(&mut window, "sampler", "jittered");
     assert_eq!(command(&window), "pairwave analyze --sampler jittered -n 121 -k 4 --seed 7");
