@@ -224,6 +224,6 @@ mod tests {
         let places = |line: &str| line.chars().skip(GUTTER + 1).position(|c| c != '\u{2800}');
         let found: Vec<_> = lines[1..=LINES].iter().map(|line| places(line).unwrap()).collect();
         assert_eq!(found, (0..LINES).map(|line| 2 * (LINES - 1 - line)).collect::<Vec<_>>(), "{text}");
-        assert!(lines[1].starts_with("        1┤") && lines[LINES].starts_with("        0┤"), "{text}");
+        assert!(lines[1].starts_with("      1.0┤") && lines[LINES].starts_with("        0┤"), "{text}");
     }
 }
