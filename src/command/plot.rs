@@ -8,6 +8,7 @@ use pairwave::report::Plot as Asked;
 use super::{print, tell};
 
 #[derive(clap::Args)]
+#[group(skip)]
 pub(crate) struct Plot {
     #[command(flatten)]
     plot: Asked,
