@@ -26,12 +26,13 @@ pub struct PairHistogram {
 /// Minus sampling. With `m_i` the number of bins whose upper edge is at most the distance of point `i` from the border:
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BorderHistogram {
-    /// Per bin `b`, ordered pairs `(i, j)` in it with `m_i > b`.
-    pub counts: Vec<u64>,
+    /// Per bin `b`, ordered pairs `(i, j)` in it with `m_i > b`, or their `u_i u_j` in steps of 2^-64, where points have weights.
+    pub counts: Vec<u128>,
     /// The same pairs of all bins, by `m_i`: entry `m`, from 0 to the number of bins.
-    pub ends: Vec<u64>,
-    /// Per bin `b`, points with `m_i > b`.
-    pub points: Vec<u64>,
+    pub ends: Vec<u128>,
+    /// Per bin `b`, what they are compared with: `geometry::border_norms`. As usual for this correction, lambda is estimated apart
+    /// from the pairs, by n / |D|.
+    pub norms: Vec<[u128; 2]>,
 }
 
 impl PairHistogram {
@@ -42,13 +43,13 @@ impl PairHistogram {
 
     /// Adds other pairs of the same realization.
     pub(crate) fn merge(&mut self, part: &Self) {
-        let add = |a: &mut [u64], b: &[u64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-        add(&mut self.counts, &part.counts);
+        let add = |a: &mut [u128], b: &[u128]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        self.counts.iter_mut().zip(&part.counts).for_each(|(a, b)| *a += b);
         if let (Some(a), Some(b)) = (&mut self.weights, &part.weights) {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            add(a, b);
         }
         if let (Some(a), Some(b)) = (&mut self.border, &part.border) {
-            // Points belong to the realization, not to a part of its pairs.
+            // Norms belong to the realization, not to a part of its pairs.
             add(&mut a.counts, &b.counts);
             add(&mut a.ends, &b.ends);
         }
@@ -57,7 +58,7 @@ impl PairHistogram {
     /// What is compared with the expectation: weights where there are any, else counts.
     fn sums(&self, bin: usize) -> u128 {
         match (&self.border, &self.weights) {
-            (Some(border), _) => u128::from(border.counts[bin]),
+            (Some(border), _) => border.counts[bin],
             (None, Some(weights)) => weights[bin],
             (None, None) => u128::from(self.counts[bin]),
         }
@@ -71,7 +72,7 @@ impl PairHistogram {
                 sum += self.sums(bin);
                 if let Some(border) = &self.border {
                     // Pairs whose first point is nearer to the border than this edge drop out again.
-                    sum -= u128::from(border.ends[bin]);
+                    sum -= border.ends[bin];
                 }
                 sum
             })
@@ -88,8 +89,7 @@ impl PairHistogram {
     fn norms(&self, bin: usize) -> [u128; 2] {
         let n = u128::from(self.n);
         match (&self.border, self.masses) {
-            // As usual for this correction, lambda is estimated apart from the pairs, by n / |D|.
-            (Some(border), _) => [u128::from(border.points[bin]) * n; 2],
+            (Some(border), _) => border.norms[bin],
             (None, Some(both)) => both,
             (None, None) => [n * n.saturating_sub(1), n * n],
         }
@@ -252,14 +252,17 @@ impl PairCounts {
 
     /// Adds one realization of the pairs between two classes of points, in both orders: what is counted in `both` together
     /// beyond each alone, compared with `N = n (n - 1) - n_A (n_A - 1) - n_B (n_B - 1) = 2 n_A n_B`, n = n_A + n_B, by either
-    /// normalization (and so with what stands for it: weights, or points seen from deep inside). All three hold the same single realization.
-    pub fn add_between(&mut self, both: &Self, a: &Self, b: &Self) {
+    /// normalization (and so with what stands for it: weights, or points seen from deep inside). All three hold the same single
+    /// realization of a plan.
+    pub fn add_between(&mut self, plan: &PairPlan, both: &Self, a: &Self, b: &Self) {
+        // That of pairs leaves more digits beside heavy points; with border correction it does not add up over classes.
+        let which = usize::from(plan.border());
         self.computed_by = self.computed_by.merge(&both.computed_by);
         self.realizations += 1;
         for (bin, sum) in self.counts.iter_mut().enumerate() {
             *sum += both.counts[bin] - a.counts[bin] - b.counts[bin];
         }
-        let pairs = |of: &Self, bin: usize| of.bins.norm(bin)[0].sum;
+        let pairs = |of: &Self, bin: usize| of.bins.norm(bin)[which].sum;
         self.bins.add_values(
             self.steps,
             |bin| both.bins.sums[bin] - a.bins.sums[bin] - b.bins.sums[bin],
@@ -268,7 +271,7 @@ impl PairCounts {
         );
         let each = [both, a, b].map(|counts| counts.cumulative.as_ref());
         if let (Some(cumulative), [Some(both), Some(a), Some(b)]) = (&mut self.cumulative, each) {
-            let pairs = |of: &Ratios, bin: usize| of.norm(bin)[0].sum;
+            let pairs = |of: &Ratios, bin: usize| of.norm(bin)[which].sum;
             cumulative.add_values(
                 self.steps,
                 |bin| both.sums[bin] - a.sums[bin] - b.sums[bin],

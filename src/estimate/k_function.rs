@@ -60,7 +60,7 @@ impl KFunction {
         let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][dim - 1];
         let mut closer = 0;
         let (mut k, mut k_se, mut l, mut l_se) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let typical = mean_weight(counts);
+        let typical = mean_weight(plan, counts);
         for bin in 0..plan.bins.len() {
             let ratio = ratio(counts, cumulative, bin, normalization);
             closer += counts.counts[bin];

@@ -63,7 +63,7 @@ impl PairCorrelation {
         let errors = of_one.map_or(ErrorSource::of(counts.realizations), |e| e.source);
         let mut g = Vec::with_capacity(bins.len());
         let mut g_se = Vec::with_capacity(bins.len());
-        let typical = mean_weight(counts);
+        let typical = mean_weight(plan, counts);
         for b in 0..bins.len() {
             let ratio = ratio(counts, &counts.bins, b, normalization);
             // Ordered pairs (or their weight) expected under complete randomness.

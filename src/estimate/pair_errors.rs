@@ -64,7 +64,7 @@ impl PairErrors {
         }
         let [of_bins, of_balls] = seen.spectral_ratios(clusters.as_ref());
         let edges = seen.edge_variances(clusters.as_ref());
-        let typical = mean_weight(counts);
+        let typical = mean_weight(plan, counts);
         let variances = |cumulative: bool, ratios: &[f64]| {
             let (mut count, mut found, mut expected) = (0, 0.0, 0.0);
             let variance = |(b, ratio): (usize, &f64)| {

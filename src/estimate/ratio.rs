@@ -19,11 +19,11 @@ impl Ratio {
     /// Standard error of `sum`: across realizations, or for one of them theory, as if unordered pairs were Poisson:
     /// `w sqrt(2 count)` with `w` the mean weight of the `count` ordered pairs (how weights spread about it is left out).
     /// No pair at all gets the error of one unordered pair of `typical` weight. With border correction, where most pairs are seen
-    /// from one end only, twice the pairs seen stand for their variance: an upper bound.
+    /// from one end only, twice the pairs seen, all of `typical` weight, stand for their variance: an upper bound where weights are alike.
     pub(super) fn standard_error(&self, plan: &PairPlan, count: u64, typical: f64) -> f64 {
         self.error.unwrap_or_else(|| {
             if plan.border() {
-                return (2.0 * self.sum.max(2.0)).sqrt();
+                return (2.0 * typical * self.sum.max(2.0 * typical)).sqrt();
             }
             let mean_weight = if count > 0 { self.sum / count as f64 } else { typical };
             mean_weight * (2.0 * count.max(2) as f64).sqrt()
@@ -31,11 +31,17 @@ impl Ratio {
     }
 }
 
-/// The mean weight of all pairs counted, 1 if there are none.
-pub(super) fn mean_weight(counts: &PairCounts) -> f64 {
-    let pairs: u64 = counts.counts.iter().sum();
+/// The mean weight of all pairs counted, 1 if there are none. With border correction of those seen from deep inside: the part of all
+/// pairs that is compared with what the first bin is, where nearly every point is deep.
+pub(super) fn mean_weight(plan: &PairPlan, counts: &PairCounts) -> f64 {
+    if plan.border() && !plan.masses {
+        return 1.0;
+    }
+    let norm = |bin| counts.bins.norm(bin)[Normalization::Intensity as usize].sum as f64;
+    let seen = |bin| if plan.border() { norm(bin) / norm(0) } else { 1.0 };
+    let pairs: f64 = counts.counts.iter().enumerate().map(|(bin, &c)| c as f64 * seen(bin)).sum();
     let sum: f64 = (0..counts.counts.len()).map(|bin| counts.sum(bin)).sum();
-    if pairs > 0 { sum / pairs as f64 } else { 1.0 }
+    if pairs > 0.0 { sum / pairs } else { 1.0 }
 }
 
 /// The ratio of one bin.

@@ -92,13 +92,13 @@ impl PairPlan {
         shape: EnsembleShape,
     ) -> Result<Self> {
         let PairSettings { correction, cumulative, beyond_half, masses } = settings.into();
-        check_correction(domain, correction, masses)?;
+        check_correction(domain, correction)?;
         check_r_max(domain, correction, beyond_half, bins.r_max())?;
         let thresholds = bins.thresholds(domain)?;
         let filter = BinFilter::new(&bins, domain);
         // Points (three u64 axes, once more sorted and rounded, and what they weigh), and a histogram with what is on its way.
         let per_bin = match correction {
-            Correction::Border => 72,
+            Correction::Border => 104,
             Correction::None if !masses => 24,
             _ => 56,
         };
@@ -245,14 +245,13 @@ pub(crate) fn nearly_half_diagonal(domain: &Domain) -> f64 {
     if domain.dim() == 1 { domain.circumradius() } else { domain.circumradius() * (1.0 - 1e-8) }
 }
 
-fn check_correction(domain: &Domain, correction: Correction, masses: bool) -> Result<()> {
+fn check_correction(domain: &Domain, correction: Correction) -> Result<()> {
     let reason = match correction {
         Correction::None => return Ok(()),
         _ if domain.is_torus() => "a torus has no edges; use none",
         Correction::Isotropic if domain.dim() == 3 => {
             "the part of a sphere inside a box is not computed; 3D has translation, border and none"
         }
-        Correction::Border if masses => "counts points, not weights; expected translation, isotropic or none",
         _ => return Ok(()),
     };
     Err(Error::setting(Setting::Correction, correction, reason))

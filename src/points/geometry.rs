@@ -41,20 +41,54 @@ pub fn weighted_pair(u: [f64; 2], w: u64) -> u128 {
 /// `sum_(i != j) u_i u_j` and `(sum u)^2` over points of weights `u`, in steps of 2^-64. The first without a difference of large
 /// numbers, so that one heavy point does not cost what the others are among themselves; whatever the order of points.
 pub fn mass_sums(u: &[f64]) -> [u128; 2] {
+    let (mut before, mut pairs) = ([0.0; 2], [0.0; 2]);
+    for x in ascending(u) {
+        pairs = add_whole(pairs, 2.0 * x * (before[0] + before[1]));
+        before = add_whole(before, x);
+    }
+    [mass_steps(pairs[0] + pairs[1]), mass_steps((before[0] + before[1]).powi(2))]
+}
+
+/// What pairs seen from deep inside a window are compared with, per bin `b` of `bins`: with `D` the points `i` whose `depths[i]` is
+/// more than `b`, `n` for each of them by either normalization; where points have weights `u`, `n / (n - 1) sum_D u_i sum_(j != i) u_j`
+/// and `sum_D u_i sum u`, in steps of 2^-64. The first is `n` too where all weights are alike, and no heavy point is its own
+/// partner in it. Whatever the order of points.
+pub fn border_norms(depths: &[u32], bins: usize, u: Option<&[f64]>) -> Vec<[u128; 2]> {
+    let n = depths.len();
+    let [sum, rest] = u.map_or([0.0; 2], |u| ascending(u).into_iter().fold([0.0; 2], add_whole));
+    let mut norms = vec![[0; 2]; bins + 1];
+    for (i, &depth) in depths.iter().enumerate() {
+        let of_point = u.map_or([n as u128; 2], |u| {
+            // In this order, what a heavy point leaves of the sum keeps its digits.
+            let others = (sum - u[i]) + rest;
+            let partners = if n > 1 { others * n as f64 / (n - 1) as f64 } else { u[i] };
+            [mass_steps(u[i] * partners), mass_steps(u[i] * (sum + rest))]
+        });
+        norms[depth as usize].iter_mut().zip(of_point).for_each(|(norm, of_point)| *norm += of_point);
+    }
+    // From the deepest outwards.
+    for b in (0..bins).rev() {
+        let deeper = norms[b + 1];
+        norms[b].iter_mut().zip(deeper).for_each(|(norm, deeper)| *norm += deeper);
+    }
+    norms.split_off(1)
+}
+
+/// A product of weights in steps of 2^-64.
+fn mass_steps(x: f64) -> u128 {
+    (x * 2f64.powi(64)).round_ties_even() as u128
+}
+
+fn ascending(u: &[f64]) -> Vec<f64> {
     let mut sorted = u.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    // Sums of f64 with what each addition drops (Neumaier 1974).
-    let add = |[sum, rest]: [f64; 2], x: f64| {
-        let next = sum + x;
-        [next, rest + if sum >= x { (sum - next) + x } else { (x - next) + sum }]
-    };
-    let (mut before, mut pairs) = ([0.0; 2], [0.0; 2]);
-    for x in sorted {
-        pairs = add(pairs, 2.0 * x * (before[0] + before[1]));
-        before = add(before, x);
-    }
-    let steps = |x: f64| (x * 2f64.powi(64)).round_ties_even() as u128;
-    [steps(pairs[0] + pairs[1]), steps((before[0] + before[1]).powi(2))]
+    sorted
+}
+
+/// Sums of f64 with what each addition drops (Neumaier 1974).
+fn add_whole([sum, rest]: [f64; 2], x: f64) -> [f64; 2] {
+    let next = sum + x;
+    [next, rest + if sum >= x { (sum - next) + x } else { (x - next) + sum }]
 }
 
 /// The lag `a - b` along one axis of a torus, in steps, in `[-period / 2, period / 2)`; `period` 0 stands for 2^64.
@@ -170,6 +204,26 @@ mod tests {
         assert_eq!(mass_sums(&heavy)[0], 2000 << 14);
         heavy.rotate_left(123);
         assert_eq!(mass_sums(&heavy)[0], 2000 << 14);
+    }
+
+    #[test]
+    fn norms_of_deep_points_add_from_the_deepest_outwards() {
+        // Four points 0, 1, 3 and 1 bins deep: 3, 1 and 1 are deeper than bins 0, 1 and 2.
+        assert_eq!(border_norms(&[0, 1, 3, 1], 3, None), [[12; 2], [4; 2], [4; 2]]);
+        // Weights that are alike count as many points, times their square.
+        assert_eq!(border_norms(&[0, 1, 3, 1], 3, Some(&[0.5; 4])), [[12 << 62; 2], [4 << 62; 2], [4 << 62; 2]]);
+        // Of 1/4, 1/2 and 1/4, the last two are deep: 3/2 (1/2 1/2 + 1/4 3/4), and 1/2 + 1/4.
+        assert_eq!(border_norms(&[0, 2, 1], 2, Some(&[0.25, 0.5, 0.25]))[0], [21 << 59, 3 << 62]);
+        assert_eq!(border_norms(&[0, 2, 1], 2, Some(&[0.25, 0.5, 0.25]))[1], [3 << 61, 1 << 63]);
+        assert_eq!(border_norms(&[1], 1, Some(&[0.5])), [[1 << 62; 2]]);
+        assert_eq!(border_norms(&[], 1, Some(&[])), [[0; 2]]);
+        // One of 1 that is deep among a thousand of 2^-50 that are not: 1001 / 1000 of a thousand of them.
+        let (mut heavy, mut depths) = (vec![2f64.powi(-50); 1001], vec![0; 1001]);
+        (heavy[400], depths[400]) = (1.0, 1);
+        assert_eq!(border_norms(&depths, 1, Some(&heavy))[0][0], 1001 << 14);
+        heavy.rotate_left(123);
+        depths.rotate_left(123);
+        assert_eq!(border_norms(&depths, 1, Some(&heavy))[0][0], 1001 << 14);
     }
 
     fn lag(domain: &Domain, [a, b]: [[u64; 2]; 2]) -> [i128; 3] {

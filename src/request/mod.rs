@@ -282,7 +282,8 @@ pub struct Request {
 
     /// pairs: n(n-1); intensity: n^2
     ///
-    /// What pairs are divided by: n(n-1) or n^2 (with border correction n times the points deep enough inside, either way).
+    /// What pairs are divided by: n(n-1) or n^2 (with border correction n times the points deep enough inside, either way; where points
+    /// have weights, without or with the square of their own).
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value = "pairs"))]
     pub normalization: Normalization,
 

@@ -553,9 +553,9 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--correction isotropic: the part of a sphere inside a box is not computed; 3D has translation, border and none",
         ),
         (
-            "analyze trees.csv --window 0,1,0,1 --correction border --weight-column size",
-            2,
-            "--correction border: counts points, not weights; expected translation, isotropic or none",
+            "analyze heavy.csv --window 0,1,0,1 --correction border --weight-column w",
+            1,
+            "heavy.csv: --weight-column w: no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)",
         ),
         (
             "analyze ok.csv --stats k-function --bin-scale log",

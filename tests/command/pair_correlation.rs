@@ -143,6 +143,20 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
     assert!(
         summary(&scratch.path("sizes"))["warnings"].to_string().contains("weights of points enter g(r), K and P only")
     );
+    // Nor do they change what deep points see.
+    let deep = "--window 0,1,0,1 --r-max 0.2 --bins 5 --correction border --stats pcf,k-function";
+    scratch.ok(&format!("analyze sizes.txt --columns 1,2 {deep} --device cpu --out deep"));
+    for device in ["reference", "cpu"] {
+        scratch.ok(&format!("analyze sizes.txt {deep} --weight-column 3 --device {device} --out deep-{device}"));
+        for (file, name) in [("pcf.csv", "g"), ("k_function.csv", "k")] {
+            let of = |dir: &str| column::<f64>(&csv(&scratch.path(dir).join(file)), name);
+            let (plain, weighted) = (of("deep"), of(&format!("deep-{device}")));
+            assert!(plain.iter().any(|&v| v > 0.0));
+            for (weighted, plain) in weighted.iter().zip(plain) {
+                assert!((weighted - plain).abs() < 1e-8 * (1.0 + plain), "{device}, {name}: {weighted}, not {plain}");
+            }
+        }
+    }
     // To half the diagonal of a torus: every pair.
     scratch.ok("analyze sizes.txt --weight-column 3 --r-max 0.7071067811865476 --beyond-half --device cpu --out far");
     let far = csv(&scratch.path("far/pcf.csv"));

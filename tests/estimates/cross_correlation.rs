@@ -13,7 +13,7 @@ fn cross_counts(plan: &PairPlan, ensemble: &Ensemble) -> CrossCounts {
     let mut between = PairCounts::new(tag(), plan);
     for k in 0..ensemble.realizations() {
         let one = |set: &Ensemble| reference_counts(plan, &set.slice(k..k + 1));
-        between.add_between(&one(&both), &one(&a), &one(&b));
+        between.add_between(plan, &one(&both), &one(&a), &one(&b));
     }
     CrossCounts { a: reference_counts(plan, &a), b: reference_counts(plan, &b), between }
 }
@@ -23,15 +23,21 @@ fn cross_counts(plan: &PairPlan, ensemble: &Ensemble) -> CrossCounts {
 fn g_between_classes_is_its_definition() {
     let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
     let sets: Vec<_> = (0..6).map(|i| uniform(2, 60, 400 + i)).collect();
-    for (domain, correction) in [
-        (Domain::unit_torus(2), Correction::None),
-        (window.clone(), Correction::Translation),
-        (window.clone(), Correction::None),
-        (window, Correction::Border),
+    for (domain, correction, masses) in [
+        (Domain::unit_torus(2), Correction::None, false),
+        (window.clone(), Correction::Translation, false),
+        (window.clone(), Correction::Translation, true),
+        (window.clone(), Correction::None, false),
+        (window.clone(), Correction::Border, false),
+        (window, Correction::Border, true),
     ] {
         let classes: Vec<u32> = (0..360).map(|j| j % 3).collect();
         let e = ensemble_in(&domain, &sets).with_classes(classes);
-        let settings = PairSettings { cumulative: true, ..correction.into() };
+        let weights: Vec<f64> = (0..360).map(|j| if masses { 1.0 + f64::from(j % 7) } else { 1.0 }).collect();
+        let e = if masses { e.with_weights(&weights) } else { e };
+        // As they are scaled.
+        let largest = if masses { 8.0 } else { 1.0 };
+        let settings = PairSettings { cumulative: true, masses, ..correction.into() };
         let plan = PairPlan::new(&domain, RadialBins::linear(0.4, 4).unwrap(), settings, shape(&e)).unwrap();
         let names = ["oak".to_string(), "elm".to_string()];
         let counts = cross_counts(&plan, &e);
@@ -50,7 +56,8 @@ fn g_between_classes_is_its_definition() {
                 let (mut s, mut m) = (0.0, 0.0);
                 for i in (0..60).filter(|i| i % 3 < 2) {
                     for j in (0..60).filter(|j| j % 3 == 1 - i % 3) {
-                        let (mut d2, mut weight) = (0.0, 1.0);
+                        let of_points = weights[60 * k + i] * weights[60 * k + j] / (largest * largest);
+                        let (mut d2, mut weight) = (0.0, of_points);
                         for a in 0..2 {
                             let mut d = (at[i][a] - at[j][a]).abs();
                             if domain.is_torus() {
@@ -61,7 +68,7 @@ fn g_between_classes_is_its_definition() {
                             d2 += d * d;
                         }
                         let seen = correction != Correction::Border || deep(i);
-                        m += f64::from(u8::from(seen));
+                        m += if seen { of_points } else { 0.0 };
                         closer += if seen && d2.sqrt() < hi { weight } else { 0.0 };
                         if (lo..hi).contains(&d2.sqrt()) {
                             count += usize::from(i % 3 == 0);

@@ -78,7 +78,8 @@ fn assert_standard(name: &str, deviations: &[f64]) {
     let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / deviations.len() as f64;
     let worst = deviations.iter().fold(0f64, |w, z| w.max(z.abs()));
     println!("{name}: mean square {mean_square:.3} of {}, worst {worst:.2}", deviations.len());
-    assert!((0.5..1.6).contains(&mean_square) && worst < 6.0, "{name}: mean square {mean_square}, worst {worst}");
+    // Of 24 normal values one mean of a thousand is below.
+    assert!((0.34..1.6).contains(&mean_square) && worst < 6.0, "{name}: mean square {mean_square}, worst {worst}");
 }
 
 /// The measure of a ball.
@@ -108,9 +109,6 @@ fn independent_points_in_a_window() {
                 _ => (0.8 * window.shortest_side(), 1.0),
             };
             for (ensemble, masses) in [(&plain, false), (&weighted, true)] {
-                if masses && correction == Correction::Border {
-                    continue;
-                }
                 let settings = PairSettings { cumulative: true, masses, ..correction.into() };
                 let bins = RadialBins::linear(r_max, 25).unwrap();
                 let plan = PairPlan::new(&window, bins, settings, shape(ensemble)).unwrap();
@@ -187,6 +185,113 @@ fn independent_points_beyond_half_a_torus() {
         let g = PairCorrelation::new(&plan, &sums, Normalization::Pairs);
         let known = (0..24).filter(|&b| g.count[b] > 200);
         assert_standard(&format!("torus {sides:?}"), &known.map(|b| (g.g[b] - 1.0) / g.g_se[b]).collect::<Vec<_>>());
+    }
+}
+
+/// Weights that span six decades, with border correction: pairs of a heavy point with itself would be most of what is expected.
+#[test]
+fn independent_points_of_very_unequal_weights_seen_from_deep_inside() {
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let n = 40;
+    let sets: Vec<_> = (0..400).map(|i| uniform(2, n, 52_000 + i)).collect();
+    let mut rng = Rng(23);
+    let weights: Vec<f64> = (0..400 * n).map(|_| 10f64.powf(-6.0 * rng.unit())).collect();
+    let ensemble = ensemble_in(&window, &sets).with_weights(&weights);
+    let settings = PairSettings { cumulative: true, masses: true, ..Correction::Border.into() };
+    let plan = PairPlan::new(&window, RadialBins::linear(0.25, 5).unwrap(), settings, shape(&ensemble)).unwrap();
+    let sums = reference_counts(&plan, &ensemble);
+    let share = (n as f64 - 1.0) / n as f64;
+    let k = KFunction::new(&plan, &sums, Normalization::Pairs, n as f64).unwrap();
+    for b in 0..5 {
+        let z = (k.k[b] - share * ball(k.r[b], 2)) / k.k_se[b];
+        assert!(z.abs() < 4.0, "{} at {}, {z} standard errors off", k.k[b], k.r[b]);
+    }
+    assert!(k.k_se[4] < 0.15 * k.k[4], "{} of {}", k.k_se[4], k.k[4]);
+    // Divided by (sum u) times what is deep, those pairs are missed.
+    let with_itself = KFunction::new(&plan, &sums, Normalization::Intensity, n as f64).unwrap();
+    let expected = 1.0 - weights.iter().map(|u| u * u).sum::<f64>() / (weights.iter().sum::<f64>().powi(2) / 400.0);
+    assert!((with_itself.k[4] / k.k[4] - expected).abs() < 0.1 && expected < 0.9, "{expected}");
+}
+
+/// g of weighted points by border correction in plain f64, from coordinates: what is seen from deep points, over what all weights
+/// would show if they were spread evenly.
+#[test]
+fn minus_sampling_of_weighted_points_is_its_definition() {
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    let n = 90;
+    let mut rng = Rng(31);
+    for heavy in [1.0, 1e6] {
+        let weights: Vec<f64> = (0..n).map(|j| (0.1 + rng.unit()) * if j == 7 { heavy } else { 1.0 }).collect();
+        let mut points = uniform(2, n, 61);
+        points.coordinates[14..16].copy_from_slice(&[0.5, 0.5]);
+        let ensemble = ensemble_in(&window, &[points]).with_weights(&weights);
+        let settings = PairSettings { cumulative: true, masses: true, ..Correction::Border.into() };
+        let plan = PairPlan::new(&window, RadialBins::linear(0.3, 6).unwrap(), settings, shape(&ensemble)).unwrap();
+        let sums = reference_counts(&plan, &ensemble);
+        let at: Vec<Vec<f64>> = (0..n).map(|j| ensemble.position(0, j)).collect();
+        let depth = |i: usize| [at[i][0], 2.0 - at[i][0], at[i][1], 1.0 - at[i][1]].into_iter().fold(1.0, f64::min);
+        for normalization in [Normalization::Pairs, Normalization::Intensity] {
+            let g = PairCorrelation::new(&plan, &sums, normalization);
+            let k = KFunction::new(&plan, &sums, normalization, n as f64).unwrap();
+            for b in 0..6 {
+                let (lo, hi) = (plan.bins.edges()[b], plan.bins.edges()[b + 1]);
+                let (mut seen, mut closer, mut expected) = (0.0, 0.0, 0.0);
+                for i in (0..n).filter(|&i| depth(i) >= hi) {
+                    for j in 0..n {
+                        let (u, d) = (weights[i] * weights[j], (at[i][0] - at[j][0]).hypot(at[i][1] - at[j][1]));
+                        expected += match normalization {
+                            Normalization::Pairs if i == j => 0.0,
+                            Normalization::Pairs => u * n as f64 / (n as f64 - 1.0),
+                            Normalization::Intensity => u,
+                        };
+                        if i != j {
+                            seen += if (lo..hi).contains(&d) { u } else { 0.0 };
+                            closer += if d < hi { u } else { 0.0 };
+                        }
+                    }
+                }
+                let ring = std::f64::consts::PI * (hi * hi - lo * lo);
+                let found = [g.g[b], k.k[b]];
+                let right = [2.0 * seen / (expected * ring), 2.0 * closer / expected];
+                let off = [0, 1].map(|q| (found[q] - right[q]).abs() / right[q].max(1e-3));
+                assert!(
+                    off.iter().all(|&off| off < 1e-7),
+                    "{normalization}, {heavy}, bin {b}: {found:?}, not {right:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Equal weights are no weights: not in windows either, where only deep points look, and not in the errors of one realization.
+#[test]
+fn equal_weights_change_nothing_with_border_correction() {
+    let window = Domain::window(&[(0.0, 2.0), (0.0, 1.0)]).unwrap();
+    for sets in [&[uniform(2, 80, 5)][..], &[uniform(2, 80, 5), uniform(2, 70, 6), uniform(2, 1, 7)]] {
+        let e = ensemble_in(&window, sets);
+        let weighted = e.clone().with_weights(&vec![0.3; e.total_points()]);
+        let of = |e: &Ensemble, masses, normalization| {
+            let settings = PairSettings { cumulative: true, masses, ..Correction::Border.into() };
+            let plan = PairPlan::new(&window, RadialBins::linear(0.4, 8).unwrap(), settings, shape(e)).unwrap();
+            let sums = reference_counts(&plan, e);
+            let k = KFunction::new(&plan, &sums, normalization, 50.0).unwrap();
+            (PairCorrelation::new(&plan, &sums, normalization), k)
+        };
+        for normalization in [Normalization::Pairs, Normalization::Intensity] {
+            let (plain, weighted) = (of(&e, false, normalization), of(&weighted, true, normalization));
+            // In one realization what part of the pairs is seen is only estimated.
+            let se = if sets.len() == 1 { 0.1 } else { 1e-3 };
+            for b in 0..8 {
+                for (a, b, within) in [
+                    (plain.0.g[b], weighted.0.g[b], 1e-8),
+                    (plain.1.k[b], weighted.1.k[b], 1e-8),
+                    (plain.0.g_se[b], weighted.0.g_se[b], se),
+                    (plain.1.k_se[b], weighted.1.k_se[b], se),
+                ] {
+                    assert!((a - b).abs() <= within * a, "{a} and {b}");
+                }
+            }
+        }
     }
 }
 

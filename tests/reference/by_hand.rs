@@ -386,6 +386,21 @@ fn weighted_points_by_hand() {
         let ring = std::f64::consts::PI * (0.8f64.powi(2) - 0.4f64.powi(2));
         assert!((g.g[1] - 2.0 * weight / ring * 6.0 / 6.0).abs() < 1e-8, "{}", g.g[1]);
     }
+    // Seen from deep inside: the first two points are 1/2 from the border, the last 1/4.
+    let bins = RadialBins::from_edges(vec![0.0, 0.2, 0.3, 0.49]).unwrap();
+    let settings = PairSettings { masses: true, cumulative: true, ..Correction::Border.into() };
+    let near = [raw(2, vec![0.5, 0.5, 0.75, 0.5, 0.5, 0.25])];
+    let near = Ensemble::from_raw(&near, &window, false, 0).unwrap().with_weights(&[2.0, 1.0, 1.0]);
+    let plan = PairPlan::new(&window, bins, settings, shape(&near)).unwrap();
+    let sums = reference_counts(&plan, &near);
+    assert_eq!(sums.counts, [0, 4, 2], "the first and either of the others 1/4 apart, those sqrt(2)/4");
+    // All weigh 1 and 1/2. From 0.2 to 0.3 the first looks at both, and the second, 1/2 deep, at the first.
+    let steps = |quarters: u128| quarters << 62;
+    assert_eq!(sums.bins.sums, [0, steps(2 + 2 + 2), steps(1)]);
+    assert_eq!(sums.cumulative.unwrap().sums, [0, steps(6), steps(6 + 1)]);
+    // All are 0.2 deep: 3/2 (1 1 + 2 1/2 3/2), and 2 2. The last is not 0.3 deep: 3/2 (1 1 + 1/2 3/2), and (1 + 1/2) 2.
+    let norms: Vec<_> = sums.bins.norms.iter().map(|n| n.map(|n| n.sum)).collect();
+    assert_eq!(norms, [[15 << 62, 16 << 62], [21 << 61, 12 << 62], [21 << 61, 12 << 62]]);
     // A largest weight that is a power of two is exactly 1.
     let powers = Ensemble::from_raw(&points, &window, false, 0).unwrap().with_weights(&[0.25, 0.125, 1e-9]);
     assert_eq!(powers.weights(0).unwrap(), [1.0, 0.5, 4e-9]);

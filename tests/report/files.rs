@@ -260,7 +260,7 @@ fn with_classes(n: usize) -> Analysis {
     let mut between = PairCounts::new(one.computed_by.clone(), &plan);
     for k in 0..2 {
         let count = |classes: &[u32]| reference_counts(&plan, &e.of_classes(classes).slice(k..k + 1));
-        between.add_between(&count(&[0, 1]), &count(&[0]), &count(&[1]));
+        between.add_between(&plan, &count(&[0, 1]), &count(&[0]), &count(&[1]));
     }
     let counts = CrossCounts { a: one, b: other, between };
     let names = ["a<b".to_string(), "c & d".to_string()];

@@ -85,6 +85,12 @@ impl<'a> PairWeights<'a> {
         }
     }
 
+    /// What either order counts without edge weights: 1, or `u_i u_j` in steps of 2^-64.
+    #[inline(always)]
+    fn plain(&self, i: usize, j: usize) -> u128 {
+        self.data.masses.as_ref().map_or(1, |masses| geometry::weighted_pair([masses[i], masses[j]], 1 << 32))
+    }
+
     /// `reference::translation_weight`, operation for operation, with the quotients of sides taken once.
     #[inline(always)]
     fn translation(&self, i: usize, j: usize) -> u64 {
@@ -156,7 +162,7 @@ pub(super) enum WeightSums {
     /// Of weights.
     Weights(Vec<u128>),
     /// Of pairs seen from deep inside, as in `BorderHistogram`.
-    Border { counts: Vec<u64>, ends: Vec<u64> },
+    Border { counts: Vec<u128>, ends: Vec<u128> },
 }
 
 impl WeightSums {
@@ -175,8 +181,9 @@ impl WeightSums {
         match self {
             Self::Weights(weights) => weights[bin] += of.both(i, j),
             Self::Border { counts, ends } => {
+                let pair = of.plain(i, j);
                 for depth in [of.data.depths[i] as usize, of.data.depths[j] as usize] {
-                    let seen = u64::from(depth > bin);
+                    let seen = if depth > bin { pair } else { 0 };
                     counts[bin] += seen;
                     ends[depth] += seen;
                 }
@@ -194,16 +201,8 @@ impl WeightSums {
             Self::Border { counts, ends } => {
                 let bins = counts.len();
                 let [counts, ends] = [counts, ends].map(|sums| sums.iter_mut().map(std::mem::take).collect());
-                let mut deeper = vec![0; bins + 1];
-                points.depths.iter().for_each(|&depth| deeper[depth as usize] += 1);
-                // From the deepest outwards: points with depth > b.
-                for b in (0..bins).rev() {
-                    deeper[b] += deeper[b + 1];
-                }
-                PairHistogram {
-                    border: Some(BorderHistogram { counts, ends, points: deeper.split_off(1) }),
-                    ..histogram
-                }
+                let norms = geometry::border_norms(&points.depths, bins, points.masses.as_deref());
+                PairHistogram { border: Some(BorderHistogram { counts, ends, norms }), ..histogram }
             }
         }
     }

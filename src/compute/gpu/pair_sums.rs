@@ -53,13 +53,9 @@ impl Sums {
                 Correction::None | Correction::Border => None,
             };
             let border = plan.border().then(|| {
-                let mut points = vec![0; bins];
-                for depth in depths(plan, &ensemble.lengths(k)) {
-                    points[..depth as usize].iter_mut().for_each(|p| *p += 1);
-                }
+                let norms = geometry::border_norms(&depths(plan, &ensemble.lengths(k)), bins, None);
                 let (counts, ends) = rest.split_at(bins);
-                let small = |sums: &[u128]| sums.iter().map(|&c| c as u64).collect();
-                BorderHistogram { counts: small(counts), ends: small(ends), points }
+                BorderHistogram { counts: counts.to_vec(), ends: ends.to_vec(), norms }
             });
             let n = ensemble.points_in(k) as u64;
             counts.add(&PairHistogram { border, ..PairHistogram::new(n, ordered, weights) });

@@ -22,7 +22,7 @@
 //! In a window that is a polygon the formulas are the same; see `polygon`. A circle of which less than 2^-30 is in it counts as
 //! if that were.
 //!
-//! Points with weights `u` count `u_i u_j w`.
+//! Points with weights `u` count `u_i u_j w`, with border correction too.
 //!
 //! Coordinates are integers in steps of `length_unit / 2^64`. Squared distances are compared with integer thresholds in
 //! u128: no rounding anywhere, except that a weight is an f64 quotient rounded to steps of 2^-32, and with weights of points an
@@ -125,18 +125,20 @@ pub(super) fn pair_counts(
     let bins = plan.bins.len();
     let (periods, border_of) = (plan.domain.periods(), plan.domain.border());
     let mut counts = vec![0; bins];
-    let mut weights = plan.weighted().then(|| vec![0; bins]);
+    let mut weights = (plan.weighted() && !plan.border()).then(|| vec![0; bins]);
+    let depths: Vec<u32> = match plan.border() {
+        true => (0..n).map(|i| depth(&plan.thresholds, border_of.distance_of(axes, i)) as u32).collect(),
+        false => Vec::new(),
+    };
+    let ones = vec![1.0; n];
+    let masses = plan.masses.then_some(masses.unwrap_or(&ones));
     let mut border = plan.border().then(|| BorderHistogram {
         counts: vec![0; bins],
         ends: vec![0; bins + 1],
-        points: vec![0; bins],
+        norms: geometry::border_norms(&depths, bins, masses),
     });
     for i in 0..n {
         control.check()?;
-        let depth = if plan.border() { depth(&plan.thresholds, border_of.distance_of(axes, i)) } else { 0 };
-        if let Some(border) = &mut border {
-            (0..depth).for_each(|b| border.points[b] += 1);
-        }
         for j in 0..n {
             if i == j {
                 continue;
@@ -152,12 +154,13 @@ pub(super) fn pair_counts(
             if let Some(weights) = &mut weights {
                 weights[bin] += pair_weight(plan, axes, masses, i, j);
             }
-            if let Some(border) = border.as_mut().filter(|_| depth > bin) {
-                border.counts[bin] += 1;
-                border.ends[depth] += 1;
+            if let Some(border) = border.as_mut().filter(|_| depths[i] as usize > bin) {
+                let pair = masses.map_or(1, |u| weighted_pair([u[i], u[j]], 1 << 32));
+                border.counts[bin] += pair;
+                border.ends[depths[i] as usize] += pair;
             }
         }
     }
-    let masses = plan.masses.then(|| mass_sums(n, masses));
+    let masses = masses.map(geometry::mass_sums);
     Ok(PairHistogram { border, masses, ..PairHistogram::new(n as u64, counts, weights) })
 }

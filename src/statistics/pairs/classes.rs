@@ -75,7 +75,7 @@ impl Group for Classes {
             let counts = session.all_pair_counts(&self.pairs, &one).await?;
             let [both, a, b] = counts.as_slice() else { continue };
             let mut between = PairCounts::new(both.computed_by.clone(), &self.pairs);
-            between.add_between(both, a, b);
+            between.add_between(&self.pairs, both, a, b);
             let next = CrossCounts { a: a.clone(), b: b.clone(), between };
             match &mut sums {
                 Some(sums) => sums.merge(&next)?,

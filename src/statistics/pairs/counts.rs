@@ -211,7 +211,9 @@ impl Group for Pairs {
             warnings.push(warning.to_string());
         }
         let pairs = subject.shape.realizations as f64 * subject.shape.mean_points.powi(2);
-        let lost = 0.5 * pairs / sums.bins.norm(0)[0].sum as f64;
+        // With border correction in the bin that has least.
+        let least = sums.bins.norms.iter().map(|n| n[0].sum).filter(|&n| n > 0).min().unwrap_or(0);
+        let lost = 0.5 * pairs / least as f64;
         if self.plan.masses && lost > LOST {
             warnings.push(format!(
                 "weights of points differ so much that their products, in steps of 2^-64 of the largest squared, are off: g and K by \
