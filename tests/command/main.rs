@@ -11,6 +11,7 @@ mod errors;
 mod examples;
 mod listings;
 mod pair_correlation;
+mod plot;
 mod polygon;
 mod power_spectrum;
 mod reads;
