@@ -77,7 +77,7 @@ pub struct Plot {
     #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT"))]
     pub title: Option<String>,
 
-    /// File format: svg, pdf or png [default: by the name of the file, else svg]
+    /// File format: svg
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORMAT"))]
     pub format: Option<Format>,
 }

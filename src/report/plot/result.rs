@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value as Json;
 
 use crate::display::Interval;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plural};
 use crate::plan::Convention;
 use crate::points::UnitName;
 use crate::report::SUMMARY;
@@ -83,7 +83,10 @@ impl Stored {
             let line = e.position().map_or(String::new(), |position| format!(":{}", position.line()));
             let reason = match e.kind() {
                 csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                    format!("has {len} cells; expected {expected_len}, one for each column of the first line")
+                    format!(
+                        "has {}; expected {expected_len}, one for each column of the first line",
+                        plural(*len, "cell")
+                    )
                 }
                 csv::ErrorKind::Utf8 { .. } => "is no UTF-8".into(),
                 _ => e.to_string(),
