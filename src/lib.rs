@@ -67,6 +67,7 @@
 
 pub mod accumulate;
 pub mod analysis;
+mod ball;
 pub mod compute;
 pub mod control;
 pub mod display;

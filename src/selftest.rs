@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::ball::unit_ball;
 use crate::compute::{Compute, Device};
 use crate::control::Control;
 use crate::error::Result;
@@ -153,7 +154,7 @@ fn expected_pairs(process: &Process, bins: &RadialBins) -> Option<Vec<f64>> {
         return None;
     }
     let dim = process.dim as f64;
-    let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][process.dim - 1];
+    let ball = unit_ball(process.dim);
     let steps = 400;
     let shell = |lo: f64, hi: f64| {
         let (inner, outer) = (lo.powf(dim), hi.powf(dim));

@@ -10,6 +10,8 @@
 
 use std::f64::consts::PI;
 
+use crate::ball::mean_over_directions;
+
 /// So much must the logarithm of the likelihood gain over independent points: of 10,000 sets of those less than one does.
 const GAIN: f64 = 10.0;
 
@@ -118,8 +120,8 @@ impl Clusters {
     pub(super) fn ordinate_covariance(&self, n: f64, nu: f64) -> f64 {
         let (mu, q) = (self.points, falloff(self.sigma, nu));
         let z = 8.0 * (PI * self.sigma * nu).powi(2);
-        let sum =
-            2.0 * over_directions(self.dim, z) + mu * (4.0 * q * over_directions(self.dim, 0.5 * z) - 3.0 * q * q);
+        let sum = 2.0 * mean_over_directions(self.dim, z)
+            + mu * (4.0 * q * mean_over_directions(self.dim, 0.5 * z) - 3.0 * q * q);
         mu / n * sum / self.power(nu).powi(2)
     }
 }
@@ -136,21 +138,6 @@ fn siblings(dim: usize, sigma: f64, r: f64) -> f64 {
         1 => libm::erf(t),
         2 => -(-t * t).exp_m1(),
         _ => libm::erf(t) - 2.0 / PI.sqrt() * t * (-t * t).exp(),
-    }
-}
-
-/// The mean of `exp(-z (1 - cos t))` over directions, t the angle to a fixed one.
-fn over_directions(dim: usize, z: f64) -> f64 {
-    match dim {
-        1 => 0.5 * (1.0 + (-2.0 * z).exp()),
-        // By the midpoint rule, over what of the half turn is not negligible.
-        2 => {
-            let (steps, end) = (64, PI.min(8.0 / z.sqrt().max(1e-9)));
-            let angle = |i: i32| end * (f64::from(i) + 0.5) / f64::from(steps);
-            (0..steps).map(|i| (-z * (1.0 - angle(i).cos())).exp()).sum::<f64>() * end / (PI * f64::from(steps))
-        }
-        _ if z < 1e-6 => 1.0,
-        _ => -(-2.0 * z).exp_m1() / (2.0 * z),
     }
 }
 
@@ -226,7 +213,7 @@ mod tests {
                 let (n, norm) = (1000.0, 999_000.0);
                 let bin = |b: i32| {
                     let edges = [0.005 * f64::from(b), 0.005 * f64::from(b + 1)];
-                    let ball = |r: f64| [2.0 * r, PI * r * r, 4.0 / 3.0 * PI * r.powi(3)][dim - 1];
+                    let ball = |r: f64| crate::ball::unit_ball(dim) * r.powi(dim as i32);
                     let expected = norm * (ball(edges[1]) - ball(edges[0]));
                     BinPairs { edges, found: expected + clusters.pairs(norm, n, edges), expected }
                 };
@@ -260,21 +247,5 @@ mod tests {
         let ring = |m: i32| RingPower { nu: f64::from(m), p: if m < 20 { 0.1 } else { 1.0 }, ordinates: f64::from(m) };
         assert_eq!(Clusters::of_rings(2, &(1..60).map(ring).collect::<Vec<_>>()), None);
         assert_eq!((Clusters::of_pairs(2, 0.0, 0.0, &[]), Clusters::of_rings(2, &[])), (None, None));
-    }
-
-    /// Against fine sums over the angle.
-    #[test]
-    fn means_over_directions() {
-        for z in [0.0, 0.3, 4.0, 200.0] {
-            let steps = 20_000;
-            let angles = || (0..steps).map(|i| PI * (f64::from(i) + 0.5) / f64::from(steps));
-            let circle = angles().map(|t| (-z * (1.0 - t.cos())).exp()).sum::<f64>() / f64::from(steps);
-            let sphere =
-                angles().map(|t| 0.5 * t.sin() * (-z * (1.0 - t.cos())).exp()).sum::<f64>() * PI / f64::from(steps);
-            for (dim, expected) in [(2, circle), (3, sphere)] {
-                let found = over_directions(dim, z);
-                assert!((found / expected - 1.0).abs() < 1e-3, "{dim}D, {z}: {found}, expected {expected}");
-            }
-        }
     }
 }

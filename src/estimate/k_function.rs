@@ -5,6 +5,7 @@ use super::pair_errors::PairErrors;
 use super::ratio::{mean_weight, ratio};
 use super::{ErrorSource, Normalization};
 use crate::accumulate::PairCounts;
+use crate::ball::unit_ball;
 use crate::plan::PairPlan;
 
 /// `K(r) = |D| sum_k C(r) / sum_k N` over realizations k at the upper edges of the bins, with `C` the ordered pairs closer
@@ -57,7 +58,7 @@ impl KFunction {
     ) -> Option<Self> {
         let cumulative = counts.cumulative.as_ref()?;
         let (measure, dim) = (plan.domain.measure(), plan.domain.dim());
-        let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][dim - 1];
+        let ball = unit_ball(dim);
         let mut closer = 0;
         let (mut k, mut k_se, mut l, mut l_se) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let typical = mean_weight(plan, counts);

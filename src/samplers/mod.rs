@@ -15,10 +15,13 @@ mod independent;
 mod low_discrepancy;
 mod parameters;
 mod process;
+mod quadrature;
 mod size;
 mod stratified;
 mod stream;
 mod torus_cells;
+mod torus_nearest;
+mod waves;
 
 use rand_distr::Poisson;
 

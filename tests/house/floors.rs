@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 22] = [
+pub const FLOORS: [&str; 23] = [
     "setting",
     "named",
     "sinc",
+    "ball",
     "error",
     "control",
     "pool",

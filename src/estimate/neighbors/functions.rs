@@ -6,6 +6,7 @@
 //! - J(r) = (1 - G) / (1 - F): 1 for a Poisson process, above it where points keep apart, below it where they cluster.
 
 use crate::accumulate::{COUNT_STEPS, DistributionSums, NeighborSums};
+use crate::ball::unit_ball;
 use crate::estimate::{ErrorSource, ratio_standard_error};
 use crate::plan::{EnsembleShape, NeighborPlan};
 
@@ -44,9 +45,9 @@ impl NeighborFunctions {
             let (g, f) = (g.as_ref()?.0, f.as_ref()?.0);
             (f < 1.0).then(|| (1.0 - g) / (1.0 - f))
         };
-        let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][plan.domain.dim() - 1];
-        let intensity = shape.mean_points / plan.domain.measure();
-        let poisson = |r: &f64| -(-intensity * unit_ball * r.powi(plan.domain.dim() as i32)).exp_m1();
+        let dim = plan.domain.dim();
+        let in_unit_ball = unit_ball(dim) * shape.mean_points / plan.domain.measure();
+        let poisson = |r: &f64| -(-in_unit_ball * r.powi(dim as i32)).exp_m1();
         Self {
             j: g.iter().zip(&f).map(j).collect(),
             g: g.iter().map(|g| Some(g.as_ref()?.0)).collect(),

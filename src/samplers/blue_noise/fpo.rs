@@ -15,7 +15,7 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 use super::periodic::{FEW, Site, copies};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::samplers::torus_cells::distance_squared;
+use crate::samplers::torus_nearest::TorusNearest;
 use crate::samplers::{Accepts, Entry, Family, Parameter, Realization, Sampler, Size, wrap};
 
 pub(in crate::samplers) static ENTRY: Entry = Entry {
@@ -60,7 +60,7 @@ impl Sampler for FarthestPoint {
                 pattern.refill();
             }
         }
-        Ok(pattern.points.into_flattened())
+        Ok(pattern.points.points().as_flattened().to_vec())
     }
 }
 
@@ -94,14 +94,11 @@ impl Ord for Circle {
 }
 
 struct Pattern {
-    points: Vec<[f64; 2]>,
+    points: TorusNearest<2>,
     triangulation: DelaunayTriangulation<Site>,
     circles: BinaryHeap<Circle>,
     /// How far images reach out of the box.
     margin: f64,
-    /// Indices of points by cells of the torus.
-    cells: Vec<Vec<u32>>,
-    per_axis: usize,
 }
 
 impl Pattern {
@@ -109,23 +106,14 @@ impl Pattern {
         let n = points.len();
         // Circles among random points are below 3 / sqrt(n), and only shrink.
         let margin = if n < 4 * FEW { 1.0 } else { (8.0 / (n as f64).sqrt()).min(1.0) };
-        let per_axis = ((n as f64 / 2.0).sqrt() as usize).max(1);
         let sites = points.iter().enumerate().flat_map(|(i, &p)| copies(i as u32, p, margin)).collect();
         let triangulation = DelaunayTriangulation::bulk_load(sites)
             .map_err(|e| Error::input("fpo", format!("points that cannot be triangulated: {e:?}")))?;
-        let cells = vec![Vec::new(); per_axis * per_axis];
-        let mut pattern = Self { points, triangulation, circles: BinaryHeap::new(), margin, cells, per_axis };
-        for i in 0..n {
-            let cell = pattern.cell(pattern.points[i]);
-            pattern.cells[cell].push(i as u32);
-        }
+        let mut near = TorusNearest::new();
+        points.into_iter().for_each(|point| near.push(point));
+        let mut pattern = Self { points: near, triangulation, circles: BinaryHeap::new(), margin };
         pattern.refill();
         Ok(pattern)
-    }
-
-    fn cell(&self, point: [f64; 2]) -> usize {
-        let [x, y] = point.map(|x| ((x * self.per_axis as f64) as usize).min(self.per_axis - 1));
-        y * self.per_axis + x
     }
 
     /// The circles of the triangulation as it is.
@@ -136,28 +124,9 @@ impl Pattern {
         self.circles.extend(circles);
     }
 
-    /// The square of the distance to the nearest point, as far as it is below `below`.
-    fn nearest2(&self, place: [f64; 2], below: f64) -> f64 {
-        let m = self.per_axis as i64;
-        let reach = ((below.sqrt() * m as f64).ceil() as i64).min(m / 2 + 1);
-        let home = place.map(|x| (x * m as f64).floor() as i64);
-        // Of few cells each is met once.
-        let span = |home: i64| if 2 * reach + 1 >= m { 0..m } else { home - reach..home + reach + 1 };
-        let mut found = f64::INFINITY;
-        for y in span(home[1]) {
-            for x in span(home[0]) {
-                for &j in &self.cells[(y.rem_euclid(m) * m + x.rem_euclid(m)) as usize] {
-                    found = found.min(distance_squared(&place, &self.points[j as usize]));
-                }
-            }
-        }
-        found
-    }
-
     fn optimize(&mut self, i: usize) -> Result<()> {
-        let old = self.points[i];
-        let cell = self.cell(old);
-        self.cells[cell].retain(|&j| j as usize != i);
+        let old = self.points.points()[i];
+        self.points.take_out(i);
         for site in copies(i as u32, old, self.margin) {
             self.take_out(site.position);
         }
@@ -165,13 +134,12 @@ impl Pattern {
             let Some(largest) = self.circles.pop() else {
                 return Err(Error::input("fpo", "no empty circle is left among the points"));
             };
-            if self.nearest2(largest.centre, largest.radius2) >= largest.radius2 * (1.0 - 1e-12) {
+            let almost = largest.radius2 * (1.0 - 1e-12);
+            if self.points.nearest2(&largest.centre, almost) > almost {
                 break largest.centre;
             }
         };
-        self.points[i] = place;
-        let cell = self.cell(place);
-        self.cells[cell].push(i as u32);
+        self.points.put_back(i, place);
         for site in copies(i as u32, place, self.margin) {
             let inserted = self.triangulation.insert(site);
             let vertex =

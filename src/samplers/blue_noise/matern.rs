@@ -21,9 +21,11 @@ use std::sync::Arc;
 
 use rand_distr::{Distribution, Poisson};
 
+use crate::ball::unit_ball;
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::points::Domain;
+use crate::samplers::quadrature::simpson;
 use crate::samplers::torus_cells::TorusCells;
 use crate::samplers::{Accepts, Entry, Family, Given, Number, Parameter, Realization, Sampler, poisson};
 use crate::setting::Setting;
@@ -89,11 +91,7 @@ struct Matern {
 
 /// Volume of a ball.
 fn ball(dim: usize, r: f64) -> f64 {
-    match dim {
-        1 => 2.0 * r,
-        2 => PI * r * r,
-        _ => 4.0 / 3.0 * PI * r.powi(3),
-    }
+    unit_ball(dim) * r.powi(dim as i32)
 }
 
 /// Volume of the union of two balls of radius R whose centres are r <= 2 R apart.
@@ -117,7 +115,7 @@ fn make(given: &Given<'_>, kind: Kind) -> Result<Arc<dyn Sampler>> {
     let a = ball(dim, radius);
     let most: f64 = if kind == Kind::One { (-1.0f64).exp() } else { 1.0 };
     if n * a >= most {
-        let limit = (most / ball(dim, 1.0) / n).powf(1.0 / dim as f64) / packing;
+        let limit = (most / unit_ball(dim) / n).powf(1.0 / dim as f64) / packing;
         let name = if kind == Kind::One { "matern-i" } else { "matern-ii" };
         let reason =
             format!("radius of {name} in {dim}D is below {limit:.3}: no density of parents leaves so many points");
@@ -130,7 +128,7 @@ fn make(given: &Given<'_>, kind: Kind) -> Result<Arc<dyn Sampler>> {
     let mut matern = Matern { kind, dim, n, radius, density, ball: a, parents: poisson(density)?, shells: Vec::new() };
     let surface = |r: f64| [2.0, 2.0 * PI * r, 4.0 * PI * r * r][dim - 1];
     for (from, to) in [(0.0, radius), (radius, 2.0 * radius)] {
-        let part = simpson(from, to).map(|(r, weight)| {
+        let part = simpson::<512>(from, to).map(|(r, weight)| {
             // At R itself the integrand jumps; each part ends with its own side of it.
             let rho2 = if to == radius { 0.0 } else { matern.rho2_beyond(r) };
             (r, weight * surface(r) * (rho2 - n * n))
@@ -139,17 +137,6 @@ fn make(given: &Given<'_>, kind: Kind) -> Result<Arc<dyn Sampler>> {
         matern.shells.extend(part);
     }
     Ok(Arc::new(matern))
-}
-
-/// Places and weights of Simpson's rule in s with `r = from + (to - from) (3 s^2 - 2 s^3)`, which smooths square roots at the ends.
-fn simpson(from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
-    const STEPS: usize = 512;
-    let h = 1.0 / STEPS as f64;
-    (0..=STEPS).map(move |i| {
-        let s = i as f64 * h;
-        let weight = if i == 0 || i == STEPS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
-        (from + (to - from) * s * s * (3.0 - 2.0 * s), weight * h / 3.0 * (to - from) * 6.0 * s * (1.0 - s))
-    })
 }
 
 /// x <= 1 with `x exp(-x) = share`, by Newton's rule from below.

@@ -9,9 +9,9 @@
 //! The distance makes the expected number n: as n grows, points at half of it cover 0.747598 (Renyi 1958), 0.547069, 0.384131 of
 //! space in 1, 2, 3 dimensions (Torquato, Uche, Stillinger 2006; Zhang, Torquato 2013).
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::ball::unit_ball;
 use crate::control::Control;
 use crate::error::Result;
 use crate::samplers::torus_cells::TorusCells;
@@ -43,8 +43,7 @@ struct Maximal {
 
 /// The distance that leaves n points on average.
 fn distance(n: u64, dim: usize) -> f64 {
-    let unit_ball = [2.0, PI, 4.0 / 3.0 * PI][dim - 1];
-    2.0 * (COVERED[dim - 1] / (n as f64 * unit_ball)).powf(1.0 / dim as f64)
+    2.0 * (COVERED[dim - 1] / (n as f64 * unit_ball(dim))).powf(1.0 / dim as f64)
 }
 
 impl Sampler for Maximal {

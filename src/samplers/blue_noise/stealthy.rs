@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use crate::control::Control;
 use crate::error::{Error, Result};
+use crate::samplers::waves::Waves;
 use crate::samplers::{Accepts, Entry, Family, Given, Parameter, Realization, Sampler, wrap};
 use crate::setting::Setting;
 
@@ -40,10 +41,8 @@ struct Stealthy {
     dim: usize,
     n: usize,
     iterations: u64,
-    /// The largest |m_j|.
-    reach: i32,
-    /// A half space of modes, `dim` components each.
-    modes: Vec<i32>,
+    /// Those of a half space of modes.
+    waves: Waves,
 }
 
 fn make(given: &Given<'_>) -> Result<Arc<dyn Sampler>> {
@@ -67,7 +66,7 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Sampler>> {
         return Err(Error::setting(Setting::Params, format!("nu0={relative}"), reason));
     }
     let iterations = given.values.whole("iterations")?.unwrap_or(5000);
-    Ok(Arc::new(Stealthy { dim, n: n as usize, iterations, reach, modes }))
+    Ok(Arc::new(Stealthy { dim, n: n as usize, iterations, waves: Waves { dim, reach, modes } }))
 }
 
 /// The modes m != 0 with |m|^2 at most `most`, one of each pair +-m.
@@ -97,41 +96,26 @@ struct Energy {
 
 impl Stealthy {
     fn energy(&self, x: &[f64]) -> Energy {
-        let (dim, side) = (self.dim, 2 * self.reach as usize + 1);
-        let modes = self.modes.len() / dim;
-        // Waves of every axis of every point, then the s_m, then their pull on the points.
-        let mut table = vec![(0.0, 0.0); side * dim];
-        let mut waves = vec![(0.0, 0.0); modes];
-        let mut sums = vec![(0.0, 0.0); modes];
-        let fill = |point: &[f64], table: &mut [(f64, f64)], waves: &mut [(f64, f64)]| {
-            for (axis, &x) in point.iter().enumerate() {
-                for k in -self.reach..=self.reach {
-                    let (sin, cos) = (TAU * (f64::from(k) * x).fract()).sin_cos();
-                    table[axis * side + (k + self.reach) as usize] = (cos, -sin);
-                }
-            }
-            for (mode, wave) in self.modes.chunks_exact(dim).zip(waves) {
-                *wave = mode.iter().enumerate().fold((1.0, 0.0), |(c, s), (axis, &k)| {
-                    let (a, b) = table[axis * side + (k + self.reach) as usize];
-                    (c * a - s * b, c * b + s * a)
-                });
-            }
-        };
+        let (dim, modes) = (self.dim, self.waves.len());
+        let (mut re, mut im) = (vec![0.0; modes], vec![0.0; modes]);
+        let mut sums = [vec![0.0; modes], vec![0.0; modes]];
         for point in x.chunks_exact(dim) {
-            fill(point, &mut table, &mut waves);
-            sums.iter_mut().zip(&waves).for_each(|(sum, wave)| *sum = (sum.0 + wave.0, sum.1 + wave.1));
+            self.waves.values(point, &mut re, &mut im);
+            for (sums, values) in sums.iter_mut().zip([&re, &im]) {
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            }
         }
         let n = self.n as f64;
-        let power = sums.iter().map(|s| (s.0 * s.0 + s.1 * s.1) / n);
+        let power = sums[0].iter().zip(&sums[1]).map(|(a, b)| (a * a + b * b) / n);
         let (sum, largest) = power.fold((0.0, 0.0f64), |(sum, largest), p| (sum + p, largest.max(p)));
-        // d |s|^2 / dx = 2 Re(conj(s) (-2 pi i m) w).
+        // d |s|^2 / dx = 2 Re(conj(s) 2 pi i m w) = -4 pi m Im(conj(s) w).
         let mut gradient = vec![0.0; x.len()];
         for (point, pull) in x.chunks_exact(dim).zip(gradient.chunks_exact_mut(dim)) {
-            fill(point, &mut table, &mut waves);
-            for ((mode, wave), s) in self.modes.chunks_exact(dim).zip(&waves).zip(&sums) {
-                let crossed = s.0 * wave.1 - s.1 * wave.0;
+            self.waves.values(point, &mut re, &mut im);
+            for (k, mode) in self.waves.modes.chunks_exact(dim).enumerate() {
+                let crossed = sums[0][k] * im[k] - sums[1][k] * re[k];
                 for (pull, &m) in pull.iter_mut().zip(mode) {
-                    *pull += 2.0 * TAU * f64::from(m) * crossed / n;
+                    *pull -= 2.0 * TAU * f64::from(m) * crossed / n;
                 }
             }
         }
@@ -236,6 +220,6 @@ impl Sampler for Stealthy {
 
     fn power(&self, m: &[i32]) -> Option<f64> {
         let one = |mode: &[i32]| mode == m || mode.iter().zip(m).all(|(a, b)| *a == -b);
-        self.modes.chunks_exact(self.dim).any(one).then_some(0.0)
+        self.waves.modes.chunks_exact(self.dim).any(one).then_some(0.0)
     }
 }

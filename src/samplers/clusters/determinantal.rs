@@ -8,6 +8,7 @@
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::samplers::Stream;
+use crate::samplers::waves::Waves;
 
 /// N orthonormal functions on the unit torus.
 pub(super) trait Basis {
@@ -113,18 +114,9 @@ pub(super) fn draw(basis: &dyn Basis, stream: &mut Stream, control: &Control) ->
     Ok(points)
 }
 
-/// Waves `exp(2 pi i k . x)`.
-pub(super) struct Waves {
-    pub(super) dim: usize,
-    /// The largest |k_j|.
-    pub(super) reach: i32,
-    /// `dim` components each.
-    pub(super) modes: Vec<i32>,
-}
-
 impl Basis for Waves {
     fn len(&self) -> usize {
-        self.modes.len() / self.dim
+        self.len()
     }
 
     fn dim(&self) -> usize {
@@ -136,22 +128,6 @@ impl Basis for Waves {
     }
 
     fn values(&self, x: &[f64], re: &mut [f64], im: &mut [f64]) {
-        let side = 2 * self.reach as usize + 1;
-        let mut table = Vec::with_capacity(side * self.dim);
-        for &x in x {
-            for k in -self.reach..=self.reach {
-                // Products modulo 1 first, so that the angle keeps its digits.
-                let (sin, cos) = (std::f64::consts::TAU * (f64::from(k) * x).fract()).sin_cos();
-                table.push((cos, sin));
-            }
-        }
-        for ((mode, re), im) in self.modes.chunks_exact(self.dim).zip(re).zip(im) {
-            let mut product = (1.0, 0.0);
-            for (axis, &k) in mode.iter().enumerate() {
-                let (c, s) = table[axis * side + (k + self.reach) as usize];
-                product = (product.0 * c - product.1 * s, product.0 * s + product.1 * c);
-            }
-            (*re, *im) = product;
-        }
+        self.values(x, re, im);
     }
 }

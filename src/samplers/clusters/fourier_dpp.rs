@@ -7,10 +7,11 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::determinantal::{Waves, draw};
+use super::determinantal::draw;
 use crate::control::Control;
 use crate::error::Result;
 use crate::samplers::size::root_below;
+use crate::samplers::waves::Waves;
 use crate::samplers::{Entry, Family, Realization, Sampler, Size};
 
 pub(in crate::samplers) static ENTRY: Entry = Entry {

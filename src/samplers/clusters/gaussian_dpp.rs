@@ -13,9 +13,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::determinantal::{Waves, draw};
+use super::determinantal::draw;
 use crate::control::Control;
 use crate::error::Result;
+use crate::samplers::waves::Waves;
 use crate::samplers::{Accepts, Entry, Family, Given, Number, Parameter, Realization, Sampler, Stream};
 
 pub(in crate::samplers) static ENTRY: Entry = Entry {

@@ -5,6 +5,7 @@ pub(super) mod halton;
 pub(super) mod hammersley;
 pub(super) mod kronecker;
 pub(super) mod lattice;
+mod net_power;
 pub(super) mod pmj02;
 mod radical_inverse;
 pub(super) mod sobol;

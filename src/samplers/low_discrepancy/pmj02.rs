@@ -11,7 +11,8 @@
 
 use std::sync::Arc;
 
-use super::sobol::{DIGITS, net_power, owen, to_f64};
+use super::net_power::net_power;
+use super::sobol::{DIGITS, owen, to_f64};
 use crate::control::Control;
 use crate::error::Result;
 use crate::samplers::{Entry, Family, Number, Realization, Sampler};

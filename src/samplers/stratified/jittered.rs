@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use crate::control::Control;
 use crate::error::Result;
+use crate::samplers::quadrature::simpson;
 use crate::samplers::size::root_below;
 use crate::samplers::{Entry, Family, Realization, Sampler, Size, cells, in_cell};
 use crate::sinc::sinc;
@@ -91,25 +92,11 @@ fn overlap_cube(rho: f64) -> f64 {
     let mut sum = 0.0;
     let mut from = 0.0;
     for to in cuts {
-        sum += smooth_simpson(&integrand, from, to);
+        // Absolute error below 1e-9 here.
+        sum += simpson::<256>(from, to).map(|(t, weight)| weight * integrand(t)).sum::<f64>();
         from = to;
     }
     sum
-}
-
-/// Simpson's rule in s with `t = from + (to - from) (3 s^2 - 2 s^3)`, which turns the square roots at both ends into
-/// polynomials: absolute error below 1e-9 here.
-fn smooth_simpson(f: &impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
-    const STEPS: usize = 256;
-    let h = 1.0 / STEPS as f64;
-    let sum: f64 = (0..=STEPS)
-        .map(|i| {
-            let s = i as f64 * h;
-            let weight = if i == 0 || i == STEPS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
-            weight * 6.0 * s * (1.0 - s) * f(from + (to - from) * s * s * (3.0 - 2.0 * s))
-        })
-        .sum();
-    sum * h / 3.0 * (to - from)
 }
 
 #[cfg(test)]
