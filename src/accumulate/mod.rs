@@ -1,6 +1,7 @@
 //! 4. Mergeable raw sums. No divisions here.
 
 mod computed_by;
+mod discrepancy_sums;
 mod encode;
 mod kernel_sums;
 mod lag_counts;
@@ -13,6 +14,7 @@ mod wave_covariance;
 mod wave_power;
 
 pub use computed_by::{Backend, ComputedBy};
+pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;

@@ -5,10 +5,14 @@ use std::sync::OnceLock;
 use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
 use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
-use crate::accumulate::{ComputedBy, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{
+    ComputedBy, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{
+    CovariancePlan, DiscrepancyPlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+};
 use crate::points::Ensemble;
 use crate::pool::{Pool, check_threads};
 use crate::request::DeviceChoice;
@@ -167,6 +171,15 @@ impl<'a> Session<'a> {
     pub(crate) async fn neighbors(&mut self, plan: &NeighborPlan, ensemble: &Ensemble) -> Result<NeighborSums> {
         let control = self.control;
         self.run(Work::Neighbors(plan), async |c: &dyn Compute| c.neighbors(plan, ensemble, control).await).await
+    }
+
+    pub(crate) async fn discrepancies(
+        &mut self,
+        plan: &DiscrepancyPlan,
+        ensemble: &Ensemble,
+    ) -> Result<DiscrepancySums> {
+        let control = self.control;
+        self.run(Work::Discrepancy(plan), async |c: &dyn Compute| c.discrepancies(plan, ensemble, control).await).await
     }
 
     /// What the user should know about who computed.

@@ -19,10 +19,14 @@ pub(crate) use device::Session;
 
 use std::pin::Pin;
 
-use crate::accumulate::{ComputedBy, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{
+    ComputedBy, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+};
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts, WavePlan};
+use crate::plan::{
+    CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts, WavePlan,
+};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -57,6 +61,8 @@ pub enum Work<'a> {
     Covariance(&'a CovariancePlan),
     /// `Compute::neighbors`.
     Neighbors(&'a NeighborPlan),
+    /// `Compute::discrepancies`.
+    Discrepancy(&'a DiscrepancyPlan),
 }
 
 /// Why the CPU path does something in place of a backend.
@@ -82,7 +88,7 @@ pub trait Compute: Send + Sync {
     fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
         match work {
             Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
-            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => Err(NotHere::Never),
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) | Work::Discrepancy(_) => Err(NotHere::Never),
         }
     }
 
@@ -153,6 +159,16 @@ pub trait Compute: Send + Sync {
         _control: &'a Control,
     ) -> Pending<'a, NeighborSums> {
         at_once(|| Err(never(self.computed_by(), "neighbors")))
+    }
+
+    /// Discrepancies of every realization.
+    fn discrepancies<'a>(
+        &'a self,
+        _plan: &'a DiscrepancyPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, DiscrepancySums> {
+        at_once(|| Err(never(self.computed_by(), "discrepancies")))
     }
 }
 

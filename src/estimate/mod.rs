@@ -9,6 +9,7 @@ mod confidence;
 mod cross_correlation;
 mod cross_validation;
 mod diaphony;
+mod discrepancy;
 mod envelope;
 mod hotelling;
 mod k_function;
@@ -37,6 +38,7 @@ pub use confidence::{Band, BandLaw, CONFIDENCE, MANY_ORDINATES, MANY_REALIZATION
 pub use cross_correlation::{CrossCorrelation, CrossK};
 pub use cross_validation::CrossValidation;
 pub use diaphony::Diaphony;
+pub use discrepancy::{Discrepancies, Discrepancy, Length, NetQuality};
 pub use envelope::{Curve, Envelope, Envelopes};
 pub use hotelling::Hotelling;
 pub use k_function::KFunction;
@@ -82,4 +84,17 @@ impl ErrorSource {
 fn ratio_standard_error(k: u64, residuals: f64, sum_norm: f64) -> f64 {
     let k = k as f64;
     (k / (k - 1.0) * residuals.max(0.0)).sqrt() / sum_norm
+}
+
+/// The mean; `None` of no values.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Of the mean, from the spread of the values; `None` for fewer than two.
+fn standard_error(values: &[f64]) -> Option<f64> {
+    let mean = mean(values).filter(|_| values.len() >= 2)?;
+    let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+    let k = values.len() as f64;
+    Some((squares / (k * (k - 1.0))).sqrt())
 }

@@ -294,13 +294,30 @@ impl Domain {
     /// Distance between neighbours in the closest packing of `n` points: hexagonal in 2D, `sqrt(2/(sqrt(3) lambda))`;
     /// face-centred cubic in 3D, `(sqrt(2)/lambda)^(1/3)`; even spacing in 1D.
     pub fn closest_packing_distance(&self, n: f64) -> f64 {
-        let intensity = n / self.measure();
-        match self.dim() {
-            1 => 1.0 / intensity,
-            2 => (2.0 / (3f64.sqrt() * intensity)).sqrt(),
-            _ => (2f64.sqrt() / intensity).cbrt(),
-        }
+        closest_packing_distance(self.dim(), n / self.measure())
     }
+}
+
+/// The same of any intensity in 1 to 16 dimensions; from 4 on the densest packing known (Conway, Sloane, "Sphere Packings,
+/// Lattices and Groups", 3rd edition, tables 1.2 and 1.3), by its centre density.
+pub(crate) fn closest_packing_distance(dim: usize, intensity: f64) -> f64 {
+    let [root_2, root_3] = [2f64.sqrt(), 3f64.sqrt()];
+    let center_density = match dim {
+        1 => return 1.0 / intensity,
+        2 => return (2.0 / (root_3 * intensity)).sqrt(),
+        3 => return (root_2 / intensity).cbrt(),
+        4 => 1.0 / 8.0,
+        5 => 1.0 / (8.0 * root_2),
+        6 => 1.0 / (8.0 * root_3),
+        7 | 8 | 16 => 1.0 / 16.0,
+        9 | 15 => 1.0 / (16.0 * root_2),
+        10 => 5.0 / 128.0,
+        11 | 13 => 9.0 / 256.0,
+        12 => 1.0 / 27.0,
+        14 => 1.0 / (16.0 * root_3),
+        _ => return f64::NAN,
+    };
+    2.0 * (center_density / intensity).powf(1.0 / dim as f64)
 }
 
 /// The border of a window, from which points have a distance.

@@ -10,6 +10,7 @@ mod shape;
 mod unit_name;
 pub mod write;
 
+pub(crate) use domain::closest_packing_distance;
 pub use domain::{Border, Boundary, Domain};
 pub use ensemble::Ensemble;
 pub(crate) use ensemble::counts_in_pairs;

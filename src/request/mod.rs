@@ -48,11 +48,13 @@ pub enum Statistic {
     Covariance,
     /// Nearest-neighbour distances.
     Neighbors,
+    /// Discrepancies, diaphony, t of nets in base 2, covering radius.
+    Discrepancy,
 }
 
 named!(
     Statistic: Pcf = "pcf", PcfVector = "pcf-vector", KFunction = "k-function", Spectrum = "spectrum", Radial = "radial",
-    Covariance = "covariance", Neighbors = "neighbors"
+    Covariance = "covariance", Neighbors = "neighbors", Discrepancy = "discrepancy"
 );
 
 /// What is measured where nothing else is asked for.

@@ -8,6 +8,7 @@ pub(crate) mod axes;
 mod classes;
 mod convention;
 mod covariance;
+mod discrepancy;
 mod envelope;
 pub(crate) mod group;
 mod keys;
@@ -80,8 +81,16 @@ pub(crate) trait Room: Sync {
 }
 
 /// Every room, in the order of the page and of the summary.
-pub(crate) const ROOMS: &[&dyn Room] =
-    &[&pairs::Here, &envelope::Here, &lags::Here, &waves::Here, &covariance::Here, &convention::Here, &neighbors::Here];
+pub(crate) const ROOMS: &[&dyn Room] = &[
+    &pairs::Here,
+    &envelope::Here,
+    &lags::Here,
+    &waves::Here,
+    &covariance::Here,
+    &convention::Here,
+    &neighbors::Here,
+    &discrepancy::Here,
+];
 
 /// Behind a length on a terminal: the name of its unit, if it has one.
 fn in_units(a: &Analysis) -> String {

@@ -8,6 +8,7 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
+use super::discrepancy::{Axis, KINDS, Row, pair_sums};
 use super::nufft::Band;
 use super::phase_tables::{Panel, Table, fill};
 use super::wave_power::WavePoints;
@@ -84,6 +85,10 @@ by_level! {
     table_sums_f32 = fill::sums_f32(table: &[f32], stride: usize, weights: &[f32], sums: &mut [f32]);
     /// The same in f64.
     table_sums_f64 = fill::sums_f64(table: &[f64], stride: usize, weights: &[f64], sums: &mut [f64]);
+    /// Adds the pairs of one point to the sums of discrepancies.
+    discrepancy_row = pair_sums::add_row(
+        axes: &[Axis<'_>], means: &[Vec<f64>; 3], constants: &[f64; KINDS], i: usize, row: &mut Row
+    );
     /// Adds the terms of one wave vector at a chunk of points.
     add_terms = terms::add(vector: &Vector, points: &WavePoints<'_>, sums: &mut [[f64; LANES]; 2]);
 }

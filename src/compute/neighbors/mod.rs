@@ -5,6 +5,7 @@
 //! between neighbours in the plane.
 
 mod bonds;
+mod covering;
 mod distribution;
 mod search;
 
@@ -17,6 +18,7 @@ use crate::control::Control;
 use crate::error::Result;
 use crate::plan::NeighborPlan;
 use crate::points::{Domain, Ensemble};
+pub(in crate::compute) use covering::covering_radius;
 use distribution::distribution;
 use search::Nearest;
 

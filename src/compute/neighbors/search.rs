@@ -109,7 +109,7 @@ struct Site<const D: usize> {
 /// A k-d tree over the integers of a realization. The crate's searches take any coordinate of an item through a closure,
 /// and there `coordinate of the item - coordinate of the query` is taken in integers before it becomes an f64: relative
 /// error 2^-53 however close the points are and wherever they lie.
-struct Search<const D: usize>
+pub(super) struct Search<const D: usize>
 where
     [f64; D]: KdPoint<Scalar = f64>,
 {
@@ -126,7 +126,7 @@ where
     [f64; D]: KdPoint<Scalar = f64>,
     <[f64; D] as KdPoint>::Dim: Sync,
 {
-    fn new(axes: &[&[u64]], domain: &Domain) -> Self {
+    pub(super) fn new(axes: &[&[u64]], domain: &Domain) -> Self {
         let site = |index| Site { steps: std::array::from_fn(|a| axes[a][index]), index };
         let mut sites: Vec<Site<D>> = (0..axes[0].len()).map(site).collect();
         sites.par_sort_unstable_by_key(|site| (site.steps, site.index));
@@ -175,6 +175,11 @@ where
     fn square(&self, a: &Site<D>, b: &Site<D>) -> u128 {
         let along = |axis: usize| u128::from(minimum_image(a.steps[axis], b.steps[axis], self.periods[axis]));
         (0..D).map(|axis| along(axis).pow(2)).sum()
+    }
+
+    /// From a place to the nearest point, in steps.
+    pub(super) fn distance(&self, place: [u64; D]) -> f64 {
+        (self.nearest(&Site { steps: place, index: NOBODY }).square as f64).sqrt()
     }
 
     /// From `site` to the nearest point that is not itself.

@@ -2,6 +2,7 @@
 //! coordinates as they were given; pairs are of the integers that `points` makes of them, which has its own tests against
 //! coordinates (tests/reference/coordinates.rs).
 
+mod discrepancy;
 mod kernel_sums;
 mod lag_counts;
 mod neighbors;
@@ -19,11 +20,13 @@ use phases::Places;
 
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
-use crate::accumulate::{CovarianceSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{
+    CovarianceSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{CovariancePlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -137,5 +140,14 @@ impl Compute for Reference {
         control: &'a Control,
     ) -> Pending<'a, NeighborSums> {
         at_once(|| neighbors::neighbors(plan, ensemble, control))
+    }
+
+    fn discrepancies<'a>(
+        &'a self,
+        plan: &'a DiscrepancyPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, DiscrepancySums> {
+        at_once(|| discrepancy::discrepancies(plan, ensemble, control))
     }
 }

@@ -1,7 +1,7 @@
 //! Bond-orientational order over realizations; `compute::neighbors::bonds` has the definition.
 
-use super::{mean, standard_error};
 use crate::accumulate::{Bonds, NoBonds, RealizationNeighbors};
+use crate::estimate::{mean, standard_error};
 
 /// psi_6 of a batch, over the realizations where it is defined, each counting alike.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

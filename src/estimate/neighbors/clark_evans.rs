@@ -1,7 +1,7 @@
 //! The index of Clark and Evans: the mean nearest-neighbour distance beside that of independent points.
 
-use super::{mean, standard_error};
 use crate::accumulate::RealizationNeighbors;
+use crate::estimate::{mean, standard_error};
 use crate::points::Domain;
 
 /// The index of a batch (Clark and Evans, "Distance to nearest neighbor as a measure of spatial relationships in

@@ -5,8 +5,8 @@
 //! closest packing of as many points (Lagae, Dutre, "A Comparison of Methods for Generating Poisson Disk Distributions",
 //! CGF 2008).
 
-use super::{mean, standard_error};
 use crate::accumulate::{Distances, RealizationNeighbors};
+use crate::estimate::{mean, standard_error};
 
 /// Nearest-neighbour distances of a batch, over the realizations that have two points or more. Means over realizations
 /// count every one alike, whatever its n: they are not ratios of sums, unlike elsewhere in `estimate`.
