@@ -87,6 +87,7 @@ mod sinc;
 pub mod source;
 mod stage;
 mod statistics;
+pub mod survey;
 
 pub use analysis::{Measurement, measure};
 pub use compute::Device;

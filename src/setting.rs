@@ -133,7 +133,11 @@ settings! {
     Out = "out",
     /// Whether results that are there are replaced; no part of a request.
     Force = "force",
-    /// Figures that are drawn again; no part of a request, like all below.
+    /// Whether all pairs of axes are measured; no part of a request, like all below.
+    Projections = "projections",
+    /// Numbers of points of the prefixes that are measured.
+    Prefixes = "prefixes",
+    /// Figures that are drawn again.
     Figures = "figures",
     /// Names of results in a legend.
     Labels = "labels",

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use pairwave::analysis::{self, Plan};
 use pairwave::compute::Device;
+use pairwave::control::Control;
 use pairwave::request::{Request, shell_words};
-use pairwave::source::Points;
+use pairwave::source::{AllAxes, Points};
+use pairwave::survey::{self, Prefixes, Views};
 use pairwave::{Error, Result, Setting, check_threads, report};
 
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
@@ -28,6 +30,20 @@ pub(crate) struct Analyze {
     /// Replace a result that is already there
     #[arg(long, help_heading = "Output")]
     force: bool,
+
+    /// Measure every pair of axes, of 2 to 16
+    ///
+    /// Measure every pair of axes, of points with 2 to 16 coordinates: a table of discrepancies and least distances, of g and of P, and a
+    /// contact sheet. What is done with samplers of more than 3 dimensions
+    #[arg(long, help_heading = "Output", conflicts_with = "prefixes")]
+    projections: bool,
+
+    /// Measure the first points of every realization [2^4..2^14]
+    ///
+    /// Measure the first points of every realization, of numbers doubled from the first to the last (2^4..2^14) or listed (100,200,500):
+    /// tables of discrepancies, least distances, g and P against n, and figures. N need not be given with a sampler
+    #[arg(long, help_heading = "Output", value_name = "LO..HI")]
+    prefixes: Option<Prefixes>,
 
     /// Print the plan with its cost, and stop
     #[arg(long, help_heading = "Output")]
@@ -52,6 +68,9 @@ impl Analyze {
             check_threads(threads)?;
         }
         let control = stop_on_interrupt()?;
+        if let Some(views) = self.views() {
+            return self.survey(views, &control);
+        }
         let source = Arc::new(Points::open_with(&self.request.input, &control)?);
         if !self.quiet && !self.explain {
             print(&format!("{}\n", source.first_line()))?;
@@ -92,6 +111,47 @@ impl Analyze {
                 plot_columns().map_or(Ok(()), |columns| print(&report::plots(&analysis, columns)))
             }
         }
+    }
+}
+
+impl Analyze {
+    /// What is looked at besides the points as they are.
+    fn views(&self) -> Option<Views> {
+        let many = self.request.input.sampler.is_some() && self.request.input.dim.is_some_and(|dim| dim > 3);
+        match &self.prefixes {
+            Some(prefixes) => Some(Views::Prefixes(prefixes.clone())),
+            None => (self.projections || many).then_some(Views::Projections),
+        }
+    }
+
+    fn survey(mut self, views: Views, control: &Arc<Control>) -> Result<()> {
+        if self.explain {
+            let setting = if self.prefixes.is_some() { Setting::Prefixes } else { Setting::Projections };
+            return Err(Error::setting(setting, "(given)", "has no plan to be printed; expected no --explain"));
+        }
+        if let (Views::Prefixes(prefixes), Some(_)) = (&views, &self.request.input.sampler) {
+            self.request.input.points.get_or_insert(prefixes.largest());
+        }
+        let points = AllAxes::open(&self.request.input, self.request.memory(), control)?;
+        if !self.quiet {
+            print(&format!("{}\n", points.first_line()))?;
+        }
+        let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
+        if let Some(note) = device.note().filter(|_| !self.quiet) {
+            tell(&format!("note: {note}"));
+        }
+        let bar = Bar::new(self.quiet, control);
+        let found = survey::run(views, &self.request, &points, &device, control, &mut |p| bar.show(p))?;
+        bar.finish();
+        if !self.quiet {
+            found.warnings.iter().for_each(|warning| warn(warning));
+            print(&found.text())?;
+        }
+        let Some(out) = &self.out else { return Ok(()) };
+        let parameters = [("command".to_string(), command_line().into())];
+        let files = uninterrupted(|| found.write(out, &parameters, self.force))?;
+        let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
+        if self.quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
     }
 }
 

@@ -86,7 +86,7 @@ impl Device {
     }
 
     /// The CPU path, made ready when it is first needed.
-    fn cpu(&self) -> &Cpu {
+    pub(crate) fn cpu(&self) -> &Cpu {
         self.cpu.get_or_init(|| Cpu::with_pool(self.pool.clone()))
     }
 }

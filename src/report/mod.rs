@@ -23,6 +23,11 @@ use std::path::{Path, PathBuf};
 
 pub use headline::headline;
 pub use plot::{Format, Plot, Plotted};
+pub(crate) use png::encode as png;
+pub(crate) use result_dir::Files;
+pub(crate) use summary::SCHEMA;
+pub(crate) use svg::svg;
+pub(crate) use terminal::some_columns;
 pub use terminal::{numbers, plots};
 
 use crate::error::{Error, Result};
@@ -32,11 +37,32 @@ use crate::setting::Setting;
 
 /// The page, and what marks a result.
 const PAGE: &str = "report.html";
-const SUMMARY: &str = "summary.json";
+pub(crate) const SUMMARY: &str = "summary.json";
 
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
-    outputs::all().iter().map(|output| output.name).chain([PAGE, SUMMARY]).collect()
+    outputs::all().iter().map(|output| output.name).chain(OF_SURVEYS).chain([PAGE, SUMMARY]).collect()
+}
+
+/// What a survey writes.
+const OF_SURVEYS: [&str; 9] = [
+    "projections.csv",
+    "projections_pcf.csv",
+    "projections_radial.csv",
+    "projections.svg",
+    "prefixes.csv",
+    "prefixes_pcf.csv",
+    "prefixes_radial.csv",
+    "prefixes.svg",
+    "prefixes_radial.svg",
+];
+
+/// Writes files of the names that a result may have, as `write` does.
+///
+/// # Errors
+/// As `write`.
+pub(crate) fn write_files(dir: &Path, force: bool, make: impl FnOnce(&mut Files<'_>)) -> Result<Vec<PathBuf>> {
+    result_dir::write(&names(), dir, force, make)
 }
 
 /// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind.

@@ -8,7 +8,7 @@ pub(super) fn image(image: &Image) -> Result<Vec<u8>, png::EncodingError> {
 }
 
 /// An RGB picture with its title and description, which are in ASCII.
-pub(super) fn encode(
+pub(crate) fn encode(
     rgb: &[u8],
     [width, height]: [u32; 2],
     title: &str,

@@ -39,7 +39,7 @@ pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 const PER_MM: f64 = 4.6;
 
 /// The figure as SVG text.
-pub(super) fn svg(figure: &Figure) -> Svg {
+pub(crate) fn svg(figure: &Figure) -> Svg {
     Drawing { figure, width: WIDTH, height: HEIGHT }.svg()
 }
 

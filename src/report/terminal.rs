@@ -50,6 +50,20 @@ fn rows(text: &mut String, a: &Analysis, shown: &Shown, table: &Table) {
     };
     let symbol = first.split('_').next().unwrap_or(first);
     let _ = writeln!(text, "\n# {}, {symbol} in {unit}: {} of {} rows", shown.heading, taken.len(), cells.len());
+    aligned(text, &columns, &taken);
+}
+
+/// Some columns of a table below a heading, every row.
+pub(crate) fn some_columns(heading: &str, names: &[&str], table: &Table) -> String {
+    let columns: Vec<_> = table.columns().filter(|(name, _)| names.contains(name)).collect();
+    let rows = columns.first().map_or(0, |(_, cells)| cells.len());
+    let mut text = format!("# {heading}\n");
+    aligned(&mut text, &columns, &(0..rows).collect::<Vec<_>>());
+    text
+}
+
+/// Rows of columns that stand below each other.
+fn aligned(text: &mut String, columns: &[(&str, &[String])], taken: &[usize]) {
     let column = |&(name, cells): &(&str, &[String])| -> Vec<String> {
         let cells = taken.iter().map(|&row| cells.get(row).map_or("-".into(), |cell| four_digits(cell)));
         let cells: Vec<_> = std::iter::once(name.to_string()).chain(cells).collect();

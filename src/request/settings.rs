@@ -113,7 +113,7 @@ macro_rules! row {
 #[rustfmt::skip]
 pub static SETTINGS: [Row; 51] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
-    row!(Sampler, "--sampler", input.sampler, Points, usual: true, needs: Some(Setting::Points)),
+    row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
     row!(Realizations, "-k", input.realizations, Points, usual: true, for_samplers: true, default: Some("1")),
     row!(Dim, "--dim", input.dim, Points, usual: true, for_samplers: true, default: Some("2")),
@@ -210,6 +210,8 @@ impl Setting {
         match self {
             Self::Out => "--out",
             Self::Force => "--force",
+            Self::Projections => "--projections",
+            Self::Prefixes => "--prefixes",
             Self::Tolerance => "--tolerance",
             Self::Figures => "--figure",
             Self::Labels => "--labels",

@@ -2,17 +2,17 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::sync::Arc;
 
 use serde_json::json;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::files::{Files, Marking};
 use super::precision::Extent;
+use super::remarks::Remarks;
 use super::weights::Weights;
 use super::{Kind, Points, domain};
 use crate::error::{Error, Result, plural};
-use crate::points::read::{Input, MarkedPoints, Reading, read_polygon};
+use crate::points::read::{MarkedPoints, read_polygon};
 use crate::points::{Domain, Ensemble, EnsembleShape};
 use crate::request::PointsRequest;
 
@@ -25,10 +25,7 @@ pub(super) struct FirstPass<'a> {
     pub(super) weights: Weights,
     pub(super) names: Vec<String>,
     pub(super) numbers: HashMap<String, u32>,
-    pub(super) input: Input,
-    notes: Vec<String>,
-    more_notes: u64,
-    last: Option<Arc<Reading>>,
+    pub(super) remarks: Remarks,
     /// Which realization first had these points.
     known: HashMap<u128, u64>,
     extent: Extent,
@@ -38,13 +35,12 @@ pub(super) struct FirstPass<'a> {
     outside: u64,
 }
 
-/// So many remarks about files are shown; of the rest, how many there are.
-const MOST_NOTES: usize = 20;
-
 impl<'a> FirstPass<'a> {
     pub(super) fn new(request: &'a PointsRequest) -> Result<Self> {
         let polygon = request.window_polygon.as_ref().map(|path| read_polygon(path)).transpose()?;
         let (polygon, notes) = polygon.map_or((None, Vec::new()), |(domain, notes)| (Some(domain), notes));
+        let mut remarks = Remarks::default();
+        notes.iter().for_each(|note| remarks.note(note));
         Ok(Self {
             request,
             dim: None,
@@ -53,10 +49,7 @@ impl<'a> FirstPass<'a> {
             weights: Weights::default(),
             names: Vec::new(),
             numbers: HashMap::new(),
-            input: Input::default(),
-            notes,
-            more_notes: 0,
-            last: None,
+            remarks,
             known: HashMap::new(),
             extent: Extent::default(),
             domain: None,
@@ -73,7 +66,7 @@ impl<'a> FirstPass<'a> {
     pub(super) fn see(&mut self, sets: &[MarkedPoints]) -> Result<()> {
         for set in sets {
             self.dim.get_or_insert(set.points.dim);
-            self.read(&set.reading, &set.points.source);
+            self.remarks.read(&set.reading, &set.points.source);
             self.extent.see(&set.points, set.reading.digits);
             if self.request.wrap {
                 let domain = match self.domain.take() {
@@ -107,17 +100,6 @@ impl<'a> FirstPass<'a> {
         Ok(())
     }
 
-    /// Keeps a remark about what was read, once.
-    pub(super) fn note(&mut self, note: &str) {
-        if self.notes.iter().any(|known| known == note) {
-            return;
-        }
-        match self.notes.len() < MOST_NOTES {
-            true => self.notes.push(note.to_string()),
-            false => self.more_notes += 1,
-        }
-    }
-
     /// Says where a realization is the same as one before.
     fn compare(&mut self, set: &MarkedPoints) {
         // One point, or none, may well be where another is.
@@ -134,29 +116,14 @@ impl<'a> FirstPass<'a> {
                     set.points.source,
                     first.get()
                 );
-                self.note(&note);
+                self.remarks.note(&note);
             }
         }
     }
 
-    /// Notes how a file was read, once.
-    fn read(&mut self, reading: &Arc<Reading>, source: &str) {
-        if self.last.as_ref().is_some_and(|last| Arc::ptr_eq(last, reading) || last == reading) {
-            return;
-        }
-        if let Some(difference) = self.input.see(reading) {
-            self.note(&format!("{source}: {difference}"));
-        }
-        reading.notes.iter().for_each(|note| self.note(note));
-        self.last = Some(reading.clone());
-    }
-
     /// What the user should know.
     fn warnings(&self, domain: &Domain) -> Vec<String> {
-        let mut warnings = self.notes.clone();
-        if self.more_notes > 0 {
-            warnings.push(format!("{} of this kind about other files", plural(self.more_notes, "more remark")));
-        }
+        let mut warnings = self.remarks.all();
         let points: u64 = self.sizes.iter().sum();
         if self.request.wrap {
             let were = if self.outside == 1 { "was" } else { "were" };
@@ -166,7 +133,7 @@ impl<'a> FirstPass<'a> {
                 plural(points, "point")
             ));
         }
-        warnings.extend(self.extent.flat(&self.input));
+        warnings.extend(self.extent.flat(&self.remarks.input));
         let mean = points as f64 / self.sizes.len().max(1) as f64;
         warnings.extend(self.extent.coarse(domain, mean));
         warnings
@@ -189,7 +156,8 @@ impl<'a> FirstPass<'a> {
     ) -> Result<Points> {
         let domain = self.domain()?;
         let warnings = self.warnings(&domain);
-        let Self { request, sizes, hash, weights, names, numbers, mut input, outside, .. } = self;
+        let Self { request, sizes, hash, weights, names, numbers, remarks, outside, .. } = self;
+        let mut input = remarks.input;
         input.wrapped = request.wrap.then_some(outside);
         let mut marks = Marking {
             wrap: request.wrap,

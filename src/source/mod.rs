@@ -1,8 +1,10 @@
 //! Where the points come from: memory, files or a sampler, batch by batch.
 
+mod all_axes;
 mod files;
 mod first_pass;
 mod precision;
+mod remarks;
 mod weights;
 
 use std::ops::Range;
@@ -13,6 +15,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
 
+pub use all_axes::AllAxes;
 use files::Files;
 use first_pass::FirstPass;
 use weights::Weights;
@@ -140,10 +143,10 @@ impl Points {
     }
 
     fn files_with(request: &PointsRequest, budget: u64, control: &Control) -> Result<Self> {
-        let columns = columns(request)?;
+        let columns = columns(request, false)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let mut pass = FirstPass::new(request)?;
-        folders_left_out(&request.files).iter().for_each(|note| pass.note(note));
+        folders_left_out(&request.files).iter().for_each(|note| pass.remarks.note(note));
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
         let (mut files, mut first) = (Vec::new(), 0);
         each_piece(&request.files, &options, &columns, |_, file, piece| {
@@ -157,7 +160,7 @@ impl Points {
                 None => pass.check(&piece)?,
             }
             if let Some(file) = file {
-                pass.input.files += 1;
+                pass.remarks.input.files += 1;
                 let lasts = file.lasts() && files.iter().all(|(_, file): &(u64, PointFile)| file.lasts());
                 files.push((first, file));
                 first = pass.sizes.len() as u64;
@@ -184,12 +187,12 @@ impl Points {
     /// # Errors
     /// As `open` of such a file.
     pub fn from_bytes(name: &str, bytes: &[u8], request: &PointsRequest) -> Result<Self> {
-        let columns = columns(request)?;
+        let columns = columns(request, false)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let sets = read_bytes(name, &extension(Path::new(name)), bytes, &options, &columns)?;
         let mut pass = FirstPass::new(request)?;
         pass.see(&sets)?;
-        pass.input.files = 1;
+        pass.remarks.input.files = 1;
         let nothing = |marks| Files { files: Vec::new(), options, columns, marks, last: Mutex::default() };
         pass.finish(name.to_string(), Some(sets), nothing)
     }
@@ -252,7 +255,7 @@ impl Points {
 
     fn sampled_with(process: Process, domain: Domain, control: &Control) -> Result<Self> {
         if process.dim != domain.dim() || process.dim > 3 {
-            let reason = "points are measured in 1 to 3 dimensions; pairwave sample writes those of more";
+            let reason = "expected 1 to 3; points of more are measured by pairs of axes, with `projections`";
             return Err(Error::setting(Setting::Dim, process.dim, reason));
         }
         let Process { n, dim, seed, realizations, ref name, ref parameters, .. } = process;
@@ -435,14 +438,15 @@ fn digest(ensemble: &Ensemble) -> String {
     format!("{:032x}", hash.digest128())
 }
 
-/// The columns that a request names.
-fn columns(request: &PointsRequest) -> Result<Columns> {
+/// The columns that a request names; with `many_axes` of points that may have more than 3 coordinates.
+fn columns(request: &PointsRequest, many_axes: bool) -> Result<Columns> {
     Columns::new(&TypedColumns {
         columns: request.columns.as_deref(),
         realization: request.realization_column.as_deref(),
         weight: request.weight_column.as_deref(),
         class: request.class_column.as_deref(),
         array: request.array.as_deref(),
+        many_axes,
     })
 }
 

@@ -615,11 +615,8 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--sampler jitterd: no such sampler (did you mean jittered?); expected one of random, poisson, grid, hexagonal, fcc, bcc, perturbed-grid, jittered, cmj, lhs, cell, halton, hammersley, sobol, pmj02, lattice, fibonacci, kronecker, poisson-disk, maximal-poisson-disk, matern-i, matern-ii, best-candidate, lloyd, fpo, stealthy, thomas, matern-cluster, cauchy-cluster, lgcp, gaussian-dpp, fourier-dpp, ginibre",
         ),
-        (
-            "analyze --sampler halton -n 64 --dim 5",
-            2,
-            "--dim 5: points are measured in 1 to 3 dimensions; pairwave sample writes those of more",
-        ),
+        ("analyze --sampler random", 2, "-n (none): --sampler needs -n N"),
+        ("analyze --sampler jittered -n 64 --dim 5", 2, "--dim 5: jittered: expected 1, 2 or 3"),
         ("analyze --sampler jittered -n 65", 2, "-n 65: jittered in 2D needs n = k^2; the nearest are 64 and 81"),
         (
             "analyze ok.csv --stats spectrum --frequencies half.txt",
@@ -717,7 +714,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         ("analyze ok.csv --out o --device tpu", "--device"),
         ("analyze ok.csv --out o --r-max 0.1 --edges edges.txt", "--edges"),
         ("analyze ok.csv --out o --bins many", "--bins"),
-        ("analyze --sampler random --out o", "--points"),
+        ("analyze --sampler random --out o", "-n"),
         ("sample random -n 5", "--out"),
         ("paint", "paint"),
     ] {

@@ -18,5 +18,6 @@ mod reads;
 mod request;
 mod results;
 mod shared;
+mod survey;
 mod taper;
 mod vector_correlation;

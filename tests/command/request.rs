@@ -59,7 +59,7 @@ fn a_request_is_a_command_line() {
     for (line, said) in [
         ("--bins 1 --bins", "--bins 1 --bins: a value is required for '--bins <B>' but none was supplied"),
         ("--nonsense", "--nonsense: unexpected argument '--nonsense' found"),
-        ("--sampler random", "--sampler random: the following required arguments were not provided: --points <N>"),
+        ("--bandwidth 1", "--bandwidth 1: the following required arguments were not provided: --kernel <KERNEL>"),
         ("--help", "--help: unexpected argument '--help' found"),
     ] {
         let error = request(&words(line)).unwrap_err();

@@ -40,6 +40,21 @@ impl Scratch {
         assert!(output.status.success(), "`pairwave {arguments}` failed: {errors}");
         String::from_utf8(output.stdout).unwrap()
     }
+
+    /// Runs what must fail, with this code, saying this.
+    pub fn fails(&self, arguments: &str, code: i32, said: &str) {
+        let output = self.run(arguments);
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "`pairwave {arguments}`: {errors}");
+        assert!(errors.contains(said), "`pairwave {arguments}`: {errors}");
+    }
+}
+
+/// The columns of a CSV file by name.
+pub fn table(path: &Path) -> std::collections::BTreeMap<String, Vec<String>> {
+    let (header, rows) = csv(path);
+    let column = |k: usize| rows.iter().map(|row| row[k].clone()).collect();
+    header.split(',').enumerate().map(|(k, name)| (name.to_string(), column(k))).collect()
 }
 
 /// A CSV file as header and columns of text.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 23] = [
+pub const FLOORS: [&str; 24] = [
     "setting",
     "named",
     "sinc",
@@ -27,6 +27,7 @@ pub const FLOORS: [&str; 23] = [
     "statistics",
     "report",
     "analysis",
+    "survey",
     "command",
 ];
 

@@ -89,7 +89,9 @@ fn bad_npy_files() {
         ),
         (
             shape("(5, 4)", 160),
-            format!("shape (5, 4) has 4 coordinates per point; {form}; `columns` chooses them, as in 1,2"),
+            format!(
+                "shape (5, 4) has 4 coordinates per point; {form}; `columns` chooses them, as in 1,2, and `projections` measures up to 16 by pairs"
+            ),
         ),
         (shape("(5, 0)", 0), format!("shape (5, 0) has 0 coordinates per point; {form}")),
         (shape("()", 8), format!("shape (); {form}, or (n,) for d = 1")),

@@ -107,7 +107,10 @@ fn columns_and_realizations_are_chosen() {
     );
 
     let fails = |columns, realization| read_typed("a.csv", text, typed(columns, realization)).unwrap_err();
-    assert_eq!(fails(Some("1,2,3,4"), None), "columns 1,2,3,4: expected 1, 2 or 3 columns, found 4");
+    assert_eq!(
+        fails(Some("1,2,3,4"), None),
+        "columns 1,2,3,4: expected 1, 2 or 3 columns, found 4; `projections` takes more"
+    );
     assert_eq!(fails(Some("1,1"), None), "columns 1,1: names column 1 twice");
     assert_eq!(fails(Some("1,tree"), None), "a.csv:1: `columns` names column 1 twice");
     assert_eq!(fails(Some("1,,2"), None), "columns 1,,2: expected names or numbers, separated by commas");

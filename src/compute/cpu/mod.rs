@@ -32,13 +32,14 @@ mod wave_power;
 mod wave_product;
 mod wave_terms;
 
+pub(crate) use discrepancy::Cube;
 pub use simd::SimdLevel;
 #[doc(hidden)]
 pub use simd::fma_gflop;
 
 use super::neighbors::neighbor_sums;
 use super::{Compute, NotHere, Pending, Work, at_once};
-use crate::accumulate::{Backend, ComputedBy};
+use crate::accumulate::{Backend, ComputedBy, LevelCounts, RealizationDiscrepancy};
 use crate::accumulate::{DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
 use crate::control::Control;
 use crate::error::Result;
@@ -83,6 +84,17 @@ impl Cpu {
     /// Number of threads.
     pub fn threads(&self) -> usize {
         self.pool.threads()
+    }
+
+    /// Discrepancies of one set of points in any dimension, all but its index and the covering radius. `part`: of the piece of
+    /// work at hand.
+    pub(crate) fn discrepancy(
+        &self,
+        cube: &Cube,
+        part: f64,
+        control: &Control,
+    ) -> Result<(RealizationDiscrepancy, Vec<LevelCounts>)> {
+        self.pool.install(|| discrepancy::measure(self, cube, part, control))
     }
 
     /// The instruction set in use.

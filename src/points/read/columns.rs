@@ -97,6 +97,8 @@ pub struct TypedColumns<'a> {
     pub class: Option<&'a str>,
     /// `--array`: names of arrays, as a line of CSV.
     pub array: Option<&'a str>,
+    /// Whether points may have more than 3 coordinates.
+    pub many_axes: bool,
 }
 
 /// What the rows are, and what which columns hold.
@@ -114,6 +116,15 @@ pub struct Columns {
     pub class: Option<Column>,
     /// `--array`: the arrays of an archive that hold points; none where the archive decides.
     pub arrays: Vec<String>,
+    /// Whether points may have more than 3 coordinates, up to `MOST_AXES`.
+    pub many_axes: bool,
+}
+
+/// Coordinates that a point has at most, where it may have many.
+pub(crate) const MOST_AXES: usize = 16;
+
+fn most_axes(many: bool) -> usize {
+    if many { MOST_AXES } else { 3 }
 }
 
 /// The same as indices from 0.
@@ -151,6 +162,11 @@ fn listed(setting: Setting, text: &str) -> Result<Vec<String>> {
 }
 
 impl Columns {
+    /// How many coordinates a point may have.
+    pub(super) fn most_axes(&self) -> usize {
+        most_axes(self.many_axes)
+    }
+
     /// From what was typed.
     ///
     /// # Errors
@@ -167,8 +183,11 @@ impl Columns {
                 }
                 coordinates.push(column);
             }
-            if coordinates.len() > 3 {
-                let reason = format!("expected 1, 2 or 3 columns, found {}", coordinates.len());
+            let most = most_axes(typed.many_axes);
+            if coordinates.len() > most {
+                let expected = if typed.many_axes { format!("1 to {most}") } else { "1, 2 or 3".into() };
+                let more = if typed.many_axes { "" } else { "; `projections` takes more" };
+                let reason = format!("expected {expected} columns, found {}{more}", coordinates.len());
                 return Err(Error::setting(Setting::Columns, text, reason));
             }
         }
@@ -188,6 +207,7 @@ impl Columns {
             weight: parse(Setting::WeightColumn, typed.weight)?,
             class: parse(Setting::ClassColumn, typed.class)?,
             arrays,
+            many_axes: typed.many_axes,
         })
     }
 

@@ -414,10 +414,13 @@ fn numbered(name: &str, all: Sets, columns: &Columns) -> Result<Vec<MarkedPoints
     let bytes: Vec<&[u8]> = names.iter().map(String::as_bytes).collect();
     let marks = columns.find(width, &bytes).map_err(fail)?;
     let taken = marks.coordinates(width);
-    if !(1..=3).contains(&taken.len()) {
+    if !(1..=columns.most_axes()).contains(&taken.len()) {
         let reason = match taken.len() {
             0 => "no column is left for coordinates".to_string(),
-            n => format!("{n} columns are left for coordinates, expected 1 to 3; `columns` chooses, as in 1,2"),
+            n => {
+                let most = columns.most_axes();
+                format!("{n} columns are left for coordinates, expected 1 to {most}; `columns` chooses, as in 1,2")
+            }
         };
         return Err(fail(reason));
     }

@@ -239,7 +239,7 @@ fn sizes(shape: &[u64], columns: &Columns) -> Result<(u64, u64, u64), String> {
         }
     };
     let marks = columns.count() as u64;
-    if (1 + marks..=3 + marks).contains(&d) || (d > 0 && !columns.coordinates.is_empty()) {
+    if (1 + marks..=columns.most_axes() as u64 + marks).contains(&d) || (d > 0 && !columns.coordinates.is_empty()) {
         return Ok((k, n, d));
     }
     if marks > 0 {
@@ -248,7 +248,9 @@ fn sizes(shape: &[u64], columns: &Columns) -> Result<(u64, u64, u64), String> {
     }
     let hint = match columns.rows {
         _ if (1..=3).contains(&n) && shape.len() > 1 => "; it seems to be transposed",
-        super::Rows::Points if d > 3 => "; `columns` chooses them, as in 1,2",
+        super::Rows::Points if d > 3 => {
+            "; `columns` chooses them, as in 1,2, and `projections` measures up to 16 by pairs"
+        }
         _ => "",
     };
     Err(format!(

@@ -91,7 +91,7 @@ fn wrong(text: &str) -> Error {
 
 pub(super) fn read(name: &str, bytes: &[u8], layout: RawLayout, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let left = layout.width.saturating_sub(columns.count());
-    if !(1..=3).contains(&left) && (columns.coordinates.is_empty() || left == 0) {
+    if !(1..=columns.most_axes()).contains(&left) && (columns.coordinates.is_empty() || left == 0) {
         return Err(wrong(&layout.to_string()));
     }
     let element = match layout.element {

@@ -34,7 +34,7 @@ pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> 
         }
     };
     let (one, number) = (rows.one(), rows.number());
-    if !(1..=3).contains(&d) && columns.coordinates.is_empty() {
+    if !(1..=columns.most_axes()).contains(&(d as usize)) && columns.coordinates.is_empty() {
         return Err(Error::input(
             name,
             format!("{d} {number}s per {one}; 1, 2 or 3 are supported, and `columns` chooses them, as in 1,2"),

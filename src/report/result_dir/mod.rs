@@ -120,14 +120,14 @@ fn parent(dir: &Path) -> &Path {
 }
 
 /// Files written so far. After a failure nothing more is.
-pub(super) struct Files<'a> {
+pub(crate) struct Files<'a> {
     dir: &'a Path,
     done: Vec<(&'static str, io::Result<()>)>,
 }
 
 impl Files<'_> {
     /// Writes a file, straight to the disk: it may be GiB.
-    pub(super) fn add(&mut self, name: &'static str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
+    pub(crate) fn add(&mut self, name: &'static str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
         if self.done.last().is_none_or(|last| last.1.is_ok()) {
             let result = fs::File::create(self.dir.join(name)).and_then(|file| {
                 let mut file = io::BufWriter::new(file);
@@ -139,7 +139,7 @@ impl Files<'_> {
     }
 
     /// The names of all that are there.
-    pub(super) fn names(&self) -> Vec<&'static str> {
+    pub(crate) fn names(&self) -> Vec<&'static str> {
         self.done.iter().map(|file| file.0).collect()
     }
 }

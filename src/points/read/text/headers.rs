@@ -104,7 +104,7 @@ impl Parser<'_> {
             let others: Vec<usize> = (0..width).filter(|&k| !marks.contain(k)).collect();
             if !named.is_empty() {
                 named
-            } else if others.len() > 3 {
+            } else if others.len() > self.marks.most_axes() {
                 let all = names.iter().map(|n| String::from_utf8_lossy(n)).collect::<Vec<_>>().join(",");
                 let choose = if by_flag { ", or `columns` with the names of those meant" } else { "" };
                 return Err(format!(
@@ -183,7 +183,7 @@ impl Parser<'_> {
             Ok(columns) if !columns.is_empty() && !columns.iter().any(|&k| marks.contain(k)) => columns,
             _ => self.coordinates_beside(width, &marks, line)?,
         };
-        if columns.len() > 3 {
+        if columns.len() > self.marks.most_axes() {
             // Text in the first line is the likelier mistake.
             let text = self.fields.iter().map(|f| &content[f.clone()]).find(|f| number(unquoted(f)).is_none());
             let choose = if self.marks.rows == Rows::Points { ", or `columns` 1,2" } else { "" };
