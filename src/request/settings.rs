@@ -211,6 +211,7 @@ impl Setting {
             Self::Out => "--out",
             Self::Force => "--force",
             Self::Tolerance => "--tolerance",
+            Self::Integrand => "--integrand",
             Self::Figures => "--figure",
             Self::Labels => "--labels",
             Self::RangeX => "--x",

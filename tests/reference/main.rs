@@ -7,6 +7,7 @@ mod common;
 mod by_hand;
 mod comparison_can_fail;
 mod coordinates;
+mod integrands;
 mod laws;
 mod polygon;
 mod samplers;
