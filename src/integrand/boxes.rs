@@ -15,7 +15,7 @@ const SOURCE: &str = "Bracewell 2000";
 
 const fn end(name: &'static str, default: &'static str, axis: usize) -> Parameter {
     let help = "an end, as a fraction of the side";
-    Parameter::number(name, default, Accepts::Between(0.0, 1.0), help).from_dim(axis + 1)
+    Parameter::number(name, default, Accepts::Between(0.0, 1.0), help).only_from(axis + 1)
 }
 
 pub(super) static BOX: Entry = Entry {

@@ -12,7 +12,7 @@ use crate::samplers::Accepts;
 
 const fn frequency(name: &'static str, default: &'static str, axis: usize) -> Parameter {
     let help = "periods per side; 0: no factor";
-    Parameter::number(name, default, Accepts::Whole(0, 1 << 22), help).from_dim(axis + 1).together()
+    Parameter::number(name, default, Accepts::Whole(0, 1 << 22), help).only_from(axis + 1).together()
 }
 
 pub(super) static ENTRY: Entry = Entry {

@@ -12,7 +12,7 @@ use crate::samplers::Accepts;
 
 const fn sigma(name: &'static str, default: &'static str, axis: usize) -> Parameter {
     let help = "standard deviation along an axis, as a fraction of the side";
-    Parameter::number(name, default, Accepts::Above(0.0, 100.0), help).from_dim(axis + 1)
+    Parameter::number(name, default, Accepts::Above(0.0, 100.0), help).only_from(axis + 1)
 }
 
 pub(super) static ENTRY: Entry = Entry {

@@ -8,7 +8,7 @@ use super::entry::{AXES, Entry, Given, wrong};
 use super::expression::Expression;
 use super::pieces::Pieces;
 use super::quadrature::{Integrals, over_box};
-use super::shape::Shape;
+use super::shape::{Shape, wrap};
 use super::spec::{Parameter, Takes};
 use crate::error::Result;
 
@@ -31,6 +31,9 @@ const CELLS: [usize; 3] = [4096, 256, 32];
 
 /// Errors are twice what half as many cells differ by.
 const SAFETY: f64 = 2.0;
+
+/// Steps of a sequence that is evenly spread in the box.
+const SPREAD: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
 
 struct Formula {
     dim: usize,
@@ -92,21 +95,21 @@ fn not_finite(dim: usize, x: [f64; 3], value: f64) -> crate::Error {
     wrong(format!("it is {what} at {}; expected an expression that is finite on [0, 1)^{dim}", place.join(", ")))
 }
 
-/// The largest difference of f_m, low and high, and of a, between lags of whole cells.
+/// The largest difference of f_m and of a, each times what makes it safe: of f_m on the axes, where most of a function of one coordinate
+/// is, and elsewhere, low and high; of a between lags of whole cells.
 fn differences(dim: usize, fine: &Pieces, coarse: &Pieces) -> (f64, f64) {
-    let mut apart: (f64, f64) = (0.0, 0.0);
-    // Places and frequencies in no order, evenly spread: Kronecker's sequence of the plastic numbers.
-    let steps = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
-    for i in 1..200 {
-        let r: [f64; 3] =
-            std::array::from_fn(|k| if k < dim { super::shape::wrap(f64::from(i) * steps[k]) } else { 0.0 });
-        apart.1 = apart.1.max((fine.autocorrelation(r) - coarse.autocorrelation(r)).abs());
+    let within = |x: [f64; 3]| std::array::from_fn(|k| if k < dim { x[k] } else { 0.0 });
+    // In no order, evenly spread: Kronecker's sequence of the plastic numbers.
+    let spread = |i: i32| within(SPREAD.map(|step| wrap(f64::from(i) * step)));
+    let lags = (1..200).map(spread);
+    let a = lags.map(|r| (fine.autocorrelation(r) - coarse.autocorrelation(r)).abs()).fold(0.0, f64::max);
+    let elsewhere = (1..200).map(|i| {
         let reach = if i < 100 { 9.0 } else { 100.0 };
-        let m = r.map(|r| ((2.0 * r - 1.0) * reach).round() as i32);
-        let m = std::array::from_fn(|k| if k < dim { m[k] } else { 0 });
-        apart.0 = apart.0.max((fine.coefficient(m) - coarse.coefficient(m)).norm());
-    }
-    (SAFETY * apart.0, SAFETY * apart.1)
+        spread(i).map(|r| if r == 0.0 { 0 } else { ((2.0 * r - 1.0) * reach).round() as i32 })
+    });
+    let axes = (0..dim).flat_map(|axis| (0..64).map(move |m| std::array::from_fn(|k| if k == axis { m } else { 0 })));
+    let f = axes.chain(elsewhere).map(|m| (fine.coefficient(m) - coarse.coefficient(m)).norm()).fold(0.0, f64::max);
+    (SAFETY * f, SAFETY * a)
 }
 
 impl Shape for Formula {
@@ -159,8 +162,7 @@ impl Shape for Formula {
         let mut least = f64::INFINITY;
         let h = 1e-4;
         for i in 0..64u32 {
-            let [u, v] =
-                [0.819_172_513_396_164_4, 0.671_043_606_703_789_2].map(|s| super::shape::wrap(f64::from(i) * s));
+            let [u, v, _] = SPREAD.map(|step| wrap(f64::from(i) * step));
             for axis in 0..self.dim {
                 let at = |t: f64| {
                     let mut x = [0.0; 3];
@@ -169,7 +171,8 @@ impl Shape for Formula {
                     let x = std::array::from_fn(|k| if k < self.dim { x[k] } else { 0.0 });
                     self.expression.value(x)
                 };
-                if !((at(1.0) - at(0.0)).abs() < 1e-9 * scale) {
+                let jump = (at(1.0) - at(0.0)).abs();
+                if jump.is_nan() || jump >= 1e-9 * scale {
                     return 1.0;
                 }
                 let slope = |from: f64, h: f64| (4.0 * at(from + h) - 3.0 * at(from) - at(from + 2.0 * h)) / (2.0 * h);

@@ -23,7 +23,7 @@ pub(super) static ENTRY: Entry = Entry {
             "distance of the line from the origin, along the normal",
         ),
         Parameter::number("tilt", "0", Accepts::Between(-10.0, 10.0), "of the normal out of the x-y plane, in radians")
-            .from_dim(3),
+            .only_from(3),
     ],
     ..Entry::new("half-plane", "1 where x cos angle + y sin angle < offset", make)
 };

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::samplers::Accepts;
 
 const fn power(name: &'static str, default: &'static str, axis: usize) -> Parameter {
-    Parameter::number(name, default, Accepts::Whole(0, 20), "power of the coordinate").from_dim(axis + 1).together()
+    Parameter::number(name, default, Accepts::Whole(0, 20), "power of the coordinate").only_from(axis + 1).together()
 }
 
 pub(super) static ENTRY: Entry = Entry {

@@ -63,7 +63,7 @@ impl Parameter {
     }
 
     /// There from this dimension on.
-    pub(super) const fn from_dim(self, dim: usize) -> Self {
+    pub(super) const fn only_from(self, dim: usize) -> Self {
         Self { from_dim: dim, ..self }
     }
 
@@ -106,7 +106,7 @@ impl Parameter {
 
 /// `c` of an axis, in [0, 1].
 pub(super) const fn place(axis: usize, default: &'static str) -> Parameter {
-    Parameter::number(AXES[axis], default, Accepts::Between(0.0, 1.0), "centre").from_dim(axis + 1)
+    Parameter::number(AXES[axis], default, Accepts::Between(0.0, 1.0), "centre").only_from(axis + 1)
 }
 
 /// A value for every parameter of one integrand in one dimension.

@@ -1,5 +1,7 @@
 //! The same function in two forms: closed, and by its values or its cells.
 
+use std::f64::consts::FRAC_PI_4;
+
 use super::*;
 
 /// The largest difference of two integrands: integrals, f_m up to `reach`, a(r).
@@ -97,7 +99,7 @@ fn half_spaces_are_boxes_and_one_another() {
         assert!(apart.iter().all(|x| *x < 2e-14), "{left}: {apart:?}");
     }
     // The polygon's two axes are any two of the polyhedron's.
-    for (angle, offset) in [(0.6, 0.5), (2.2, 0.1), (0.785398163, 1.1), (-0.3, 0.45), (1e-9, 0.5)] {
+    for (angle, offset) in [(0.6, 0.5), (2.2, 0.1), (0.79, 1.1), (-0.3, 0.45), (1e-9, 0.5)] {
         let flat = made(&format!("half-plane:angle={angle},offset={offset}"), 2);
         for (solid, axes) in [
             (format!("half-plane:angle={angle},offset={offset}"), [0, 1, 2]),
@@ -124,9 +126,7 @@ fn half_spaces_are_boxes_and_one_another() {
         }
     }
     // Both sides of a plane are the whole: opposite f_m, also where m is the normal.
-    for (angle, tilt, offset) in
-        [(0.7853981633974483, 0.6154797086703873, 0.8), (0.3, 0.2, 0.7), (0.0, 0.7853981633974483, 0.7)]
-    {
+    for (angle, tilt, offset) in [(FRAC_PI_4, 0.6154797086703873, 0.8), (0.3, 0.2, 0.7), (0.0, FRAC_PI_4, 0.7)] {
         let below = made(&format!("half-plane:angle={angle},tilt={tilt},offset={offset}"), 3);
         let (back, up, away) = (angle + std::f64::consts::PI, -tilt, -offset);
         let above = made(&format!("half-plane:angle={back},tilt={up},offset={away}"), 3);

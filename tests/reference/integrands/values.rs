@@ -153,10 +153,11 @@ fn what_cannot_be_says_what_can() {
         ("formula:1/(x-0.5)", 1, "integrand formula:1/(x-0.5): it is infinite at x = 0.5;"),
         ("formula:ln(x-0.5)", 1, "integrand formula:ln(x-0.5): it is no number at x = 0;"),
         ("formula:sqrt(x-2*y)", 2, "integrand formula:sqrt(x-2*y): it is no number at x = 0, y = "),
+        ("formula:1/(x-0.3)^2", 1, "integrand formula:1/(x-0.3)^2: it is infinite at x = 0.3;"),
         (
-            "formula:1/(x-0.3)^2",
-            1,
-            "integrand formula:1/(x-0.3)^2: the integral of it or of its square does not converge",
+            "formula:1/abs(x-0.6*y-0.12345678901)^0.5",
+            2,
+            "integrand formula:1/abs(x-0.6*y-0.12345678901)^0.5: the integral of it or of its square does not converge",
         ),
     ] {
         match Integrand::new(spec, dim) {
