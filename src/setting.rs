@@ -155,6 +155,8 @@ settings! {
     Size = "size",
     /// File format of figures.
     Format = "format",
+    /// A function that is integrated.
+    Integrand = "integrand",
     /// Tolerance of a non-uniform transform; `accuracy` decides it in a request.
     Tolerance = "tolerance",
 }

@@ -2,6 +2,7 @@
 
 mod analyze;
 mod devices;
+mod integrands;
 mod out_of_memory;
 mod plot;
 mod progress;
@@ -24,6 +25,8 @@ pub(crate) enum Command {
     Sample(sample::Sample),
     /// List the samplers, or explain one
     Samplers(samplers::Samplers),
+    /// List the integrands, or explain and draw one
+    Integrands(integrands::Integrands),
     /// List the compute devices and what the self-check finds
     Devices,
     /// Hold what a device measures against what is known in closed form
@@ -37,6 +40,7 @@ impl Command {
             Self::Plot(plot) => plot.run(),
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),
+            Self::Integrands(integrands) => integrands.run(),
             Self::Devices => devices::run(),
             Self::Selftest(selftest) => selftest.run(),
         }

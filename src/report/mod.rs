@@ -1,10 +1,11 @@
-//! 6. An analysis -> tables, files, pictures and one page. `Analysis` is the only input.
+//! 6. An analysis -> tables, files, pictures and one page. `Analysis` is the only input, but for pictures of integrands.
 //!
 //! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
 //! `report.html` only.
 
 mod headline;
 mod html;
+mod integrand_picture;
 mod npy;
 mod outputs;
 pub mod panel;
@@ -22,6 +23,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use headline::headline;
+pub use integrand_picture::draw_integrands;
 pub use plot::{Format, Plot, Plotted};
 pub(crate) use png::encode as png;
 pub(crate) use result_dir::Files;

@@ -30,10 +30,10 @@ const BAR_WIDTH: f64 = 14.0;
 const LINE: usize = 118;
 
 /// A picture in its frame.
-struct Inset {
-    png: Vec<u8>,
-    extent: [[f64; 2]; 2],
-    labels: [String; 2],
+pub(super) struct Inset {
+    pub(super) png: Vec<u8>,
+    pub(super) extent: [[f64; 2]; 2],
+    pub(super) labels: [String; 2],
 }
 
 /// `spectrum.png` with axes in cycles per unit length.
@@ -47,7 +47,14 @@ pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
     let ticks = ToneMap::Reinhard.ticks(analysis.shape.mean_points);
     Some(png::image(&image).map_err(Into::into).and_then(|png| {
         let insets = [Inset { png, extent, labels }];
-        svg("Power spectrum P(m)", analysis, &caption, &insets, ColorMap::Viridis, "P", &ticks)
+        svg(
+            ["Power spectrum P(m)", &analysis.subject, &size(analysis)],
+            &caption,
+            &insets,
+            ColorMap::Viridis,
+            "P",
+            &ticks,
+        )
     }))
 }
 
@@ -69,13 +76,21 @@ pub(super) fn vector(analysis: &Analysis) -> Option<Svg> {
         }
     }
     let caption = "g(h) by cells of lags, lag 0 at the centre; white is g = 1 (Moreland 2009).";
-    (!insets.is_empty())
-        .then(|| svg("Pair correlation function g(h)", analysis, caption, &insets, ColorMap::BlueRed, "g", &ticks))
+    (!insets.is_empty()).then(|| {
+        svg(
+            ["Pair correlation function g(h)", &analysis.subject, &size(analysis)],
+            caption,
+            &insets,
+            ColorMap::BlueRed,
+            "g",
+            &ticks,
+        )
+    })
 }
 
-fn svg(
-    title: &str,
-    analysis: &Analysis,
+/// Title, subject and note above, which are escaped, pictures side by side, a colour bar, a caption below.
+pub(super) fn svg(
+    [title, subject, note]: [&str; 3],
     caption: &str,
     insets: &[Inset],
     colors: ColorMap,
@@ -100,7 +115,7 @@ fn svg(
     let foot = TOP + bar_height.max(highest) + 74.0;
     let height = foot + 18.0 * lines.len() as f64;
 
-    let mut overlay = heading(title, &analysis.subject, &size(analysis));
+    let mut overlay = heading(title, subject, note);
     let (mut frames, mut marks) = (Vec::new(), Vec::new());
     let mut left = LEFT;
     for (inset, [width, height]) in insets.iter().zip(sizes) {
@@ -136,7 +151,7 @@ fn svg(
     for (k, line) in lines.iter().enumerate() {
         label(&mut overlay, LEFT, foot + 18.0 * k as f64, "start", &escape(line));
     }
-    let description = escape(&format!("{title}. {}. {}", analysis.subject, size(analysis)));
+    let description = escape(&format!("{title}. {subject}. {note}"));
     picture((WIDTH, height.ceil() as u32), &description, &overlay, |root| {
         for (from, to) in frames {
             root.draw(&frame(from, to))?;

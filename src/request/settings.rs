@@ -213,6 +213,7 @@ impl Setting {
             Self::Projections => "--projections",
             Self::Prefixes => "--prefixes",
             Self::Tolerance => "--tolerance",
+            Self::Integrand => "--integrand",
             Self::Figures => "--figure",
             Self::Labels => "--labels",
             Self::RangeX => "--x",

@@ -9,7 +9,6 @@
 mod blue_noise;
 mod clusters;
 mod entry;
-mod fourier;
 mod gaussian;
 mod independent;
 mod low_discrepancy;
@@ -91,7 +90,7 @@ pub fn find(name: &str) -> Result<&'static Entry> {
 }
 
 /// The candidate most like `name`, if any is like it.
-fn nearest_names<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest_names<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let likeness = |c: &&str| strsim::jaro_winkler(&name.to_lowercase(), c);
     // 0.7 is clap's own threshold for suggestions.
     candidates.iter().copied().filter(|c| likeness(c) > 0.7).max_by(|a, b| likeness(a).total_cmp(&likeness(b)))

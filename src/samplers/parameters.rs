@@ -63,6 +63,15 @@ impl fmt::Display for Accepts {
 }
 
 impl Accepts {
+    /// The number that a text is, if it is one that is accepted.
+    pub(crate) fn number(&self, text: &str) -> Option<f64> {
+        match self.parse(text)? {
+            Value::Number(x) => Some(x),
+            Value::Whole(x) => Some(x as f64),
+            Value::Word(_) => None,
+        }
+    }
+
     fn parse(&self, text: &str) -> Option<Value> {
         let number = || text.parse::<f64>().ok();
         let whole = |low, high| text.parse::<u64>().ok().filter(|&x| low <= x && x <= high).map(Value::Whole);

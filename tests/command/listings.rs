@@ -25,6 +25,49 @@ fn samplers_and_devices_are_listed() {
 }
 
 #[test]
+fn integrands_are_listed_explained_and_drawn() {
+    let scratch = Scratch::new();
+    let list = scratch.ok("integrands");
+    let json: serde_json::Value = serde_json::from_str(&scratch.ok("integrands --json")).unwrap();
+    for integrand in json.as_array().unwrap() {
+        let name = integrand["name"].as_str().unwrap();
+        assert!(list.contains(&format!("  {name} ")), "{name} is missing from\n{list}");
+        let explained = scratch.ok(&format!("integrands {name}"));
+        for parameter in integrand["parameters"].as_array().unwrap() {
+            let key = parameter["name"].as_str().unwrap();
+            assert!(explained.contains(&format!("with      {key}")), "{key} is missing from\n{explained}");
+        }
+        let needs_file = ["image", "table"].contains(&name);
+        assert_eq!(integrand["values"]["variance"].as_f64().is_none_or(|v| v <= 0.0), needs_file, "{integrand}");
+    }
+    let explained = scratch.ok("integrands ball:r=0.3 --dim 3");
+    assert!(
+        explained.contains("disk:r=0.3,x=0.5,y=0.5,z=0.5 in 3D\n  integral          0.1130973355292"),
+        "{explained}"
+    );
+    // A picture of each, and none is replaced unasked.
+    for (dim, count) in [("", 15), (" --dim 1", 14), (" --dim 3", 13)] {
+        let said = scratch.ok(&format!("integrands --draw pictures --force{dim}"));
+        assert_eq!(said.lines().count(), count, "{said}");
+        for file in said.lines() {
+            let svg = std::fs::read_to_string(scratch.path(file)).unwrap();
+            assert!(roxmltree::Document::parse(&svg).is_ok() && !svg.contains("NaN"), "{file}");
+        }
+    }
+    let run = scratch.run("integrands disk:r=0.1 --draw pictures");
+    assert!(!run.status.success() && String::from_utf8(run.stderr).unwrap().contains("disk.svg"));
+    for (arguments, message) in [
+        ("dsik", "error: --integrand dsik: no such integrand (did you mean disk?)"),
+        ("disk:r=2", "error: --integrand disk:r=2: r=2: r of disk is a number above 0"),
+        ("interval --dim 2", "error: --integrand interval: interval is there in 1D, this is 2D"),
+    ] {
+        let run = scratch.run(&format!("integrands {arguments}"));
+        let said = String::from_utf8(run.stderr).unwrap();
+        assert!(run.status.code() == Some(2) && said.starts_with(message), "{arguments}: {said}");
+    }
+}
+
+#[test]
 fn samples_are_written_in_order_by_any_number_of_threads() {
     let scratch = Scratch::new();
     for name in ["thomas", "sobol", "poisson-disk"] {

@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 24] = [
+pub const FLOORS: [&str; 26] = [
     "setting",
     "named",
     "sinc",
+    "fourier",
     "ball",
     "error",
     "control",
@@ -16,6 +17,7 @@ pub const FLOORS: [&str; 24] = [
     "stage",
     "points",
     "samplers",
+    "integrand",
     "plan",
     "accumulate",
     "estimate",

@@ -8,6 +8,7 @@ mod by_hand;
 mod comparison_can_fail;
 mod coordinates;
 mod discrepancy;
+mod integrands;
 mod laws;
 mod polygon;
 mod samplers;

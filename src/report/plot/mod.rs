@@ -218,7 +218,7 @@ impl Plot {
 }
 
 /// Writes a file whole, and its directory if there is none.
-fn write(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
+pub(super) fn write(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
     let failed = |e| Error::file(path, e);
     let ground = path.parent().filter(|ground| !ground.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(ground).map_err(|e| Error::file(ground, e))?;

@@ -19,7 +19,7 @@ use rustfft::num_complex::Complex;
 
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::samplers::fourier::transform;
+use crate::fourier::transform;
 use crate::samplers::{
     Accepts, Entry, Family, Given, Number, Parameter, Realization, Sampler, cells, in_cell, poisson,
 };
@@ -155,7 +155,7 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Sampler>> {
         .collect();
     let of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let mut field: Vec<Complex<f64>> = values.iter().map(|&c| Complex::new(value(c), 0.0)).collect();
-        transform(&mut field, side, dim);
+        transform(&mut field, &vec![side; dim]);
         field.into_iter().map(|z| z.re).collect()
     };
     let count = values.len() as f64;
@@ -172,7 +172,7 @@ impl Sampler for LogGaussian {
         let mut normal = || -> f64 { StandardNormal.sample(&mut stream.rng) };
         let mut field: Vec<Complex<f64>> =
             self.amplitudes.iter().map(|a| Complex::new(a * normal(), a * normal())).collect();
-        transform(&mut field, self.side, self.dim);
+        transform(&mut field, &vec![self.side; self.dim]);
         control.check()?;
         let mean = (self.n / field.len() as f64).ln() - 0.5 * self.variance;
         let places: Vec<u64> = cells(field.len() as u64, self.side as u64, self.dim).collect();

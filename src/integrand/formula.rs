@@ -1,0 +1,186 @@
+//! An expression that somebody typed.
+
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex;
+
+use super::entry::{AXES, Entry, Given, wrong};
+use super::expression::Expression;
+use super::pieces::Pieces;
+use super::quadrature::{Integrals, over_box};
+use super::shape::{Shape, wrap};
+use super::spec::{Parameter, Takes};
+use crate::error::Result;
+
+pub(super) static ENTRY: Entry = Entry {
+    formulas: "I and int f^2 by adaptive Gauss quadrature; f_m and a(r) exactly of cubic polynomials on equal cells (4096 in 1D, 256^2, 32^3); errors: half as many cells beside it",
+    source: "Legendre's polynomials and spherical Bessel functions: Abramowitz & Stegun 10.1.14",
+    parameters: &[Parameter::new(
+        "",
+        "",
+        Takes::Expression,
+        "+ - * / ^ and functions of x, y, z; pi, e and tau; -x^2 is -(x^2)",
+    )],
+    closed: false,
+    example: "formula:x*sin(9*x)",
+    ..Entry::new("formula", "any expression of the coordinates", make)
+};
+
+/// Cells per axis, by dimension.
+const CELLS: [usize; 3] = [4096, 256, 32];
+
+/// Errors are twice what half as many cells differ by.
+const SAFETY: f64 = 2.0;
+
+/// Steps of a sequence that is evenly spread in the box.
+const SPREAD: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
+
+struct Formula {
+    dim: usize,
+    expression: Expression,
+    integrals: Integrals,
+    pieces: Pieces,
+    coefficient_error: f64,
+    autocorrelation_error: f64,
+}
+
+fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
+    let (dim, text) = (given.dim, given.text("")?);
+    let expression = Expression::parse(text, dim).map_err(wrong)?;
+    let value = |x| expression.value(x);
+    let cells = CELLS[dim - 1];
+    finite_at_corners(dim, cells, value)?;
+    // Places between: those of the quadrature, which come near what is infinite where there is such a place.
+    let mut bad = None;
+    let integrals = over_box(dim, |x| {
+        let v = value(x);
+        if !v.is_finite() {
+            bad.get_or_insert((x, v));
+            return 0.0;
+        }
+        v
+    });
+    if let Some((x, v)) = bad {
+        return Err(not_finite(dim, x, v));
+    }
+    // A jump leaves less than that, a pole more.
+    if !(integrals.error < 0.05 * (integrals.first.abs() + integrals.second) && integrals.second.is_finite())
+        && integrals.error > 1e-9
+    {
+        let reason = "the integral of it or of its square does not converge; expected an expression that is finite on the whole box";
+        return Err(wrong(reason));
+    }
+    let pieces = Pieces::new(dim, cells, value);
+    let half = Pieces::new(dim, cells / 2, value);
+    let (coefficient_error, autocorrelation_error) = differences(dim, &pieces, &half);
+    Ok(Arc::new(Formula { dim, integrals, pieces, coefficient_error, autocorrelation_error, expression }))
+}
+
+/// Edges and corners of cells, where poles at 0 and simple fractions lie.
+fn finite_at_corners(dim: usize, cells: usize, value: impl Fn([f64; 3]) -> f64) -> Result<()> {
+    for i in 0..cells.pow(dim as u32) {
+        let axis = |k: usize| (i / cells.pow(k as u32) % cells) as f64 / cells as f64;
+        let x = std::array::from_fn(|k| if k < dim { axis(k) } else { 0.0 });
+        let v = value(x);
+        if !v.is_finite() {
+            return Err(not_finite(dim, x, v));
+        }
+    }
+    Ok(())
+}
+
+fn not_finite(dim: usize, x: [f64; 3], value: f64) -> crate::Error {
+    let place: Vec<String> = (0..dim).map(|k| format!("{} = {}", AXES[k], x[k])).collect();
+    let what = if value.is_nan() { "no number" } else { "infinite" };
+    wrong(format!("it is {what} at {}; expected an expression that is finite on [0, 1)^{dim}", place.join(", ")))
+}
+
+/// The largest difference of f_m and of a, each times what makes it safe: of f_m on the axes, where most of a function of one coordinate
+/// is, and elsewhere, low and high; of a between lags of whole cells.
+fn differences(dim: usize, fine: &Pieces, coarse: &Pieces) -> (f64, f64) {
+    let within = |x: [f64; 3]| std::array::from_fn(|k| if k < dim { x[k] } else { 0.0 });
+    // In no order, evenly spread: Kronecker's sequence of the plastic numbers.
+    let spread = |i: i32| within(SPREAD.map(|step| wrap(f64::from(i) * step)));
+    let lags = (1..200).map(spread);
+    let a = lags.map(|r| (fine.autocorrelation(r) - coarse.autocorrelation(r)).abs()).fold(0.0, f64::max);
+    let elsewhere = (1..200).map(|i| {
+        let reach = if i < 100 { 9.0 } else { 100.0 };
+        spread(i).map(|r| if r == 0.0 { 0 } else { ((2.0 * r - 1.0) * reach).round() as i32 })
+    });
+    let axes = (0..dim).flat_map(|axis| (0..64).map(move |m| std::array::from_fn(|k| if k == axis { m } else { 0 })));
+    let f = axes.chain(elsewhere).map(|m| (fine.coefficient(m) - coarse.coefficient(m)).norm()).fold(0.0, f64::max);
+    (SAFETY * f, SAFETY * a)
+}
+
+impl Shape for Formula {
+    fn value(&self, x: [f64; 3]) -> f64 {
+        self.expression.value(x)
+    }
+
+    fn integral(&self) -> f64 {
+        self.integrals.first
+    }
+
+    fn integral_error(&self) -> f64 {
+        self.integrals.error
+    }
+
+    fn square_integral(&self) -> f64 {
+        self.integrals.second
+    }
+
+    fn coefficient(&self, m: [i32; 3]) -> Complex<f64> {
+        if m == [0; 3] { Complex::from(self.integrals.first) } else { self.pieces.coefficient(m) }
+    }
+
+    fn coefficient_error(&self) -> f64 {
+        self.coefficient_error
+    }
+
+    fn coefficients(&self, max: [u32; 3]) -> Vec<Complex<f64>> {
+        let mut all = self.pieces.coefficients(max);
+        let middle = all.len() / 2;
+        all[middle] = Complex::from(self.integrals.first);
+        all
+    }
+
+    fn autocorrelation(&self, r: [f64; 3]) -> f64 {
+        self.pieces.autocorrelation(r)
+    }
+
+    fn autocorrelation_error(&self) -> f64 {
+        self.autocorrelation_error
+    }
+
+    /// By looking across the wrap, at some places of every side: a jump, a bend, or neither.
+    fn smoothness(&self) -> f64 {
+        // What the quadrature could not resolve jumps inside.
+        if self.integrals.error > 1e-12 * (1.0 + self.integrals.second) {
+            return 1.0;
+        }
+        let scale = self.integrals.second.sqrt();
+        let mut least = f64::INFINITY;
+        let h = 1e-4;
+        for i in 0..64u32 {
+            let [u, v, _] = SPREAD.map(|step| wrap(f64::from(i) * step));
+            for axis in 0..self.dim {
+                let at = |t: f64| {
+                    let mut x = [0.0; 3];
+                    (x[(axis + 1) % 3], x[(axis + 2) % 3]) = (u, v);
+                    x[axis] = t;
+                    let x = std::array::from_fn(|k| if k < self.dim { x[k] } else { 0.0 });
+                    self.expression.value(x)
+                };
+                let jump = (at(1.0) - at(0.0)).abs();
+                if jump.is_nan() || jump >= 1e-9 * scale {
+                    return 1.0;
+                }
+                let slope = |from: f64, h: f64| (4.0 * at(from + h) - 3.0 * at(from) - at(from + 2.0 * h)) / (2.0 * h);
+                if (slope(0.0, h) - slope(1.0, -h)).abs() > 1e-3 * scale {
+                    least = 3.0;
+                }
+            }
+        }
+        least
+    }
+}

@@ -1,0 +1,156 @@
+//! Gauss's quadrature, and integrals over boxes to a stated error.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Places and weights of Gauss's rule on [-1, 1], exact for polynomials up to degree 2 n - 1: Newton's method on Legendre's P_n
+/// (Press et al., Numerical Recipes, 4.6).
+pub(super) fn gauss(n: usize) -> Vec<(f64, f64)> {
+    let nf = n as f64;
+    let rule = (0..n).map(|i| {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (nf + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..100 {
+            let p = legendre(n, x);
+            slope = nf * (x * p[n] - p[n - 1]) / (x * x - 1.0);
+            let step = p[n] / slope;
+            x -= step;
+            if step.abs() < 1e-16 {
+                break;
+            }
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    });
+    rule.collect()
+}
+
+/// Legendre's polynomials of degrees 0 to n at x.
+pub(super) fn legendre(n: usize, x: f64) -> Vec<f64> {
+    let mut p = vec![1.0, x];
+    for k in 1..n {
+        let kf = k as f64;
+        p.push(((2.0 * kf + 1.0) * x * p[k] - kf * p[k - 1]) / (kf + 1.0));
+    }
+    p.truncate(n + 1);
+    p
+}
+
+/// The integrals of f and f^2 and a bound of the error of both.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Integrals {
+    pub(super) first: f64,
+    pub(super) second: f64,
+    pub(super) error: f64,
+}
+
+/// Evaluations at most.
+const BUDGET: usize = 2_000_000;
+
+/// A box, what is known of it, and how far that is from what its parts say.
+struct Part {
+    corner: [f64; 3],
+    side: f64,
+    sums: [f64; 2],
+    error: f64,
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Part {}
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.error.total_cmp(&other.error)
+    }
+}
+
+/// Over the unit box: the worst of the boxes is halved along every axis until all errors together are below rounding, or the budget
+/// is spent. Its error is what the rule on the halves and on the whole differ by.
+pub(super) fn over_box(dim: usize, mut f: impl FnMut([f64; 3]) -> f64) -> Integrals {
+    let rule = gauss([24, 12, 8][dim - 1]);
+    let (nodes, children) = (rule.len().pow(dim as u32), 1usize << dim);
+    let mut sums = |corner: [f64; 3], side: f64| {
+        let mut sums = [0.0; 2];
+        for i in 0..nodes {
+            let (mut x, mut weight, mut rest) = (corner, 1.0, i);
+            for x in &mut x[..dim] {
+                let (place, w) = rule[rest % rule.len()];
+                *x += side * 0.5 * (1.0 + place);
+                weight *= 0.5 * side * w;
+                rest /= rule.len();
+            }
+            let value = f(x);
+            sums[0] += weight * value;
+            sums[1] += weight * value * value;
+        }
+        sums
+    };
+    let mut spent = nodes;
+    let mut parts = BinaryHeap::new();
+    parts.push(Part { corner: [0.0; 3], side: 1.0, sums: sums([0.0; 3], 1.0), error: f64::INFINITY });
+    loop {
+        let total = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+        let error = total(|p| p.error);
+        let (first, second) = (total(|p| p.sums[0]), total(|p| p.sums[1]));
+        let done = error < 1e-15 * (1.0 + first.abs() + second) || spent + nodes * children > BUDGET;
+        // Sums over all parts are dear: many parts are halved before the next.
+        let batch = if done { 0 } else { (parts.len() / 4).max(1) };
+        if batch == 0 {
+            return Integrals { first, second, error };
+        }
+        for _ in 0..batch {
+            let Some(part) = parts.pop() else { break };
+            let side = 0.5 * part.side;
+            let halves: Vec<Part> = (0..children)
+                .map(|c| {
+                    let mut corner = part.corner;
+                    for (k, x) in corner.iter_mut().enumerate().take(dim) {
+                        *x += side * ((c >> k) & 1) as f64;
+                    }
+                    Part { corner, side, sums: sums(corner, side), error: 0.0 }
+                })
+                .collect();
+            spent += nodes * children;
+            let together = |k: usize| halves.iter().map(|p| p.sums[k]).sum::<f64>();
+            let apart = (0..2).map(|k| (together(k) - part.sums[k]).abs()).fold(0.0, f64::max);
+            // The halves are better than the whole: that is what the difference measured.
+            parts.extend(halves.into_iter().map(|half| Part { error: apart / children as f64, ..half }));
+            if spent + nodes * children > BUDGET {
+                break;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_are_integrated_exactly() {
+        for n in 1..25 {
+            for power in 0..2 * n {
+                let sum: f64 = gauss(n).iter().map(|(x, w)| w * x.powi(power as i32)).sum();
+                let exact = if power % 2 == 0 { 2.0 / (power as f64 + 1.0) } else { 0.0 };
+                assert!((sum - exact).abs() < 1e-14, "{n} {power}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn integrals_state_their_error() {
+        let smooth = over_box(2, |x| (3.0 * x[0] + x[1]).sin());
+        let exact = (3f64.sin() + 1f64.sin() - 4f64.sin()) / 3.0;
+        assert!((smooth.first - exact).abs() < 1e-15 && smooth.error < 1e-14, "{smooth:?}");
+        let jump = over_box(2, |x| f64::from(u8::from(x[0] + 0.4 * x[1] < 0.61)));
+        let off = (jump.first - 0.41).abs();
+        assert!(off <= jump.error && jump.error < 1e-2, "{off} {jump:?}");
+    }
+}
