@@ -56,8 +56,8 @@ impl Expression {
 struct Open {
     /// Where.
     at: usize,
-    /// Commas still expected.
-    commas: usize,
+    /// The function of two numbers whose arguments these are, and whether the comma between them is still to come.
+    of_two: Option<(&'static str, bool)>,
     /// Whether the last operator outside was a power.
     after_power: bool,
 }
@@ -120,7 +120,7 @@ impl<'a> Reader<'a> {
                     self.at += 1;
                 }
                 Some('+') => self.at += 1,
-                Some('(') => self.opened(0),
+                Some('(') => self.opened(None),
                 Some(c) if c.is_ascii_digit() || c == '.' => return self.number(),
                 Some(c) if c.is_alphabetic() || c == '_' => {
                     if self.name()? {
@@ -136,9 +136,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn opened(&mut self, commas: usize) {
-        self.open.push(Open { at: self.at, commas, after_power: self.operator == '^' });
-        self.plain.push('(');
+    /// `exmex` has functions of two numbers as operators between them: max(x, y) becomes ((x)max(y)).
+    fn opened(&mut self, of_two: Option<&'static str>) {
+        let of_two = of_two.map(|name| (name, true));
+        self.plain += if of_two.is_some() { "((" } else { "(" };
+        self.open.push(Open { at: self.at, of_two, after_power: self.operator == '^' });
         self.operator = '(';
         self.at += 1;
     }
@@ -182,8 +184,8 @@ impl<'a> Reader<'a> {
             self.plain += &value.to_string();
             return Ok(true);
         }
-        let commas = usize::from(OF_TWO.contains(&name.as_str()));
-        if commas == 0 && !FUNCTIONS.contains(&name.as_str()) {
+        let of_two = OF_TWO.into_iter().find(|known| *known == name);
+        if of_two.is_none() && !FUNCTIONS.contains(&name.as_str()) {
             let known: Vec<&str> = FUNCTIONS.iter().chain(&OF_TWO).copied().collect();
             let hint = nearest_names(&name, &known).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
             let axes = AXES[..self.dim].join(", ");
@@ -193,8 +195,10 @@ impl<'a> Reader<'a> {
         if self.peek() != Some('(') {
             return Err(self.wrong(self.at, &format!("{name} needs its argument in parentheses")));
         }
-        self.plain += &name;
-        self.opened(commas);
+        if of_two.is_none() {
+            self.plain += &name;
+        }
+        self.opened(of_two);
         Ok(false)
     }
 
@@ -213,11 +217,9 @@ impl<'a> Reader<'a> {
                     return Ok(true);
                 }
                 ',' => {
-                    if let Some(open) = self.open.last_mut()
-                        && open.commas > 0
-                    {
-                        open.commas -= 1;
-                        self.plain.push(',');
+                    if let Some(Open { of_two: Some((name, comma @ true)), .. }) = self.open.last_mut() {
+                        *comma = false;
+                        self.plain += &format!("){name}(");
                         self.operator = '(';
                         self.at += 1;
                         return Ok(true);
@@ -226,11 +228,11 @@ impl<'a> Reader<'a> {
                 }
                 ')' => match self.open.pop() {
                     None => return Err(self.wrong(self.at, "no parenthesis is open")),
-                    Some(open) if open.commas > 0 => {
+                    Some(Open { of_two: Some((_, true)), .. }) => {
                         return Err(self.wrong(self.at, "expected a comma and a second argument"));
                     }
                     Some(open) => {
-                        self.plain.push(')');
+                        self.plain += if open.of_two.is_some() { "))" } else { ")" };
                         self.operator = if open.after_power { '^' } else { '(' };
                         self.at += 1;
                     }
@@ -276,6 +278,10 @@ mod tests {
             ("x/y*z", x / y * z),
             ("+x", x),
             ("3", 3.0),
+            ("log2(x)+log10(x)+log(y)+ln(z)", x.log2() + x.log10() + y.ln() + z.ln()),
+            ("asinh(x)*atan(y)-atanh(z)*tanh(y)", x.asinh() * y.atan() - z.atanh() * y.tanh()),
+            ("min(min(x, y), max(y, z) - 1)^2", (x.min(y).min(y.max(z) - 1.0)).powi(2)),
+            ("exp(-min(x,y)^2)/max(x,y)", (-x.min(y).powi(2)).exp() / x.max(y)),
             ("sqrt(abs(x - 0.5))*signum(y-z)", 0.2f64.sqrt()),
         ] {
             let parsed = Expression::parse(text, 3);

@@ -13,23 +13,19 @@ pub(super) struct Radial {
     radius: f64,
     center: [f64; 3],
     q: u32,
-    /// `A(t 2R) / (R^d (1 - t)^e)` by Chebyshev's polynomials in 2 t - 1: what is left of the autocorrelation in the plane or space when
-    /// its zero at 2R is taken out is smooth. Empty for a ball, which has a closed form.
+    /// `A(t 2R) / (R^d (1 - t^2)^e)`, e = 2 q + (d + 1)/2, by Chebyshev's polynomials in 2 t - 1: what is left of the autocorrelation in
+    /// the plane or space when its zero at 2R and its bell are taken out is smooth and nearly even. Empty for a ball, which has a
+    /// closed form.
     smooth: Vec<f64>,
 }
 
 /// Coefficients that the smooth part has.
-const TERMS: usize = 32;
+const TERMS: usize = 48;
 
 impl Radial {
     pub(super) fn new(dim: usize, radius: f64, center: [f64; 3], q: u32) -> Self {
         let smooth = if q == 0 { Vec::new() } else { chebyshev(|t| smooth_part(dim, q, t)) };
         Self { dim, radius, center, q, smooth }
-    }
-
-    /// e of the zero at 2R.
-    fn zero(dim: usize, q: u32) -> f64 {
-        f64::from(2 * q) + 0.5 * (dim as f64 + 1.0)
     }
 
     /// The autocorrelation in the plane or space at distance r.
@@ -52,7 +48,7 @@ impl Radial {
                 let (b0, b1) =
                     self.smooth.iter().skip(1).rev().fold((0.0, 0.0), |(b0, b1), c| (2.0 * x * b0 - b1 + c, b0));
                 let smooth = x * b0 - b1 + self.smooth[0];
-                let left = 1.0 - t;
+                let left = (1.0 - t) * (1.0 + t);
                 let twice = 4 * self.q as i32 + self.dim as i32 + 1;
                 let root = if twice % 2 == 0 { 1.0 } else { left.sqrt() };
                 big.powi(self.dim as i32) * smooth * left.powi(twice / 2) * root
@@ -165,7 +161,7 @@ fn chebyshev(f: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..TERMS).map(term).collect()
 }
 
-/// `A(2 t) / (1 - t)^e` of the bump of radius 1: two lenses, u along the lag and v across, u from the middle to the edge as
+/// `A(2 t) / (1 - t^2)^e` of the bump of radius 1: two lenses, u along the lag and v across, u from the middle to the edge as
 /// (1 - t)(1 - s^2), v in units of what is left there. Polynomials but for one root, so Gauss's rule is exact to rounding.
 fn smooth_part(dim: usize, q: u32, t: f64) -> f64 {
     let rule: Vec<(f64, f64)> = gauss(40).into_iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect();
@@ -184,7 +180,6 @@ fn smooth_part(dim: usize, q: u32, t: f64) -> f64 {
         };
         sum += ws * 4.0 * s * across;
     }
-    // left: 1 of du, 2 q of both factors, (d - 1) / 2 of what is across. That is all of e.
-    debug_assert!((Radial::zero(dim, q as u32) - (1.0 + f64::from(2 * q) + 0.5 * (dim as f64 - 1.0))).abs() < 1e-12);
-    sum
+    // left, (1 - t), stands in du once, in each factor q times and in what is across (d - 1)/2 times: e in all.
+    sum / (1.0 + t).powf(f64::from(2 * q) + 0.5 * (dim as f64 + 1.0))
 }

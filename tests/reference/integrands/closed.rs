@@ -136,6 +136,46 @@ fn autocorrelations_have_the_coefficients_squared() {
     }
 }
 
+/// `sum |f_m|^2 cos(2 pi m.r)` over |m_k| <= F is a(r) but for at most what of int f^2 lies beyond F: by how much more, over all lags.
+fn series_apart(f: &Integrand, a: impl Fn(&[f64]) -> f64, reach: u32) -> f64 {
+    let dim = f.dim();
+    let power: Vec<f64> = f.coefficients(&vec![reach; dim]).iter().map(|c| c.norm_sqr()).collect();
+    let side = 2 * reach as usize + 1;
+    let tail = f.square_integral() - power.iter().sum::<f64>();
+    let apart = lags(dim, 8).into_iter().map(|r| {
+        let mode = |i: usize| -> Vec<i32> {
+            (0..dim).map(|k| (i / side.pow((dim - 1 - k) as u32) % side) as i32 - reach as i32).collect()
+        };
+        let sum: f64 = power.iter().enumerate().map(|(i, p)| p * (TAU * dot(&mode(i), &r)).cos()).sum();
+        (a(&r) - sum).abs() - tail
+    });
+    apart.fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn autocorrelations_are_the_series_of_the_coefficients_squared() {
+    for f in all() {
+        let reach = [4000, 80, 12][f.dim() - 1];
+        let more = series_apart(&f, |r| f.autocorrelation(r), reach);
+        assert!(more < 1e-12 * (1.0 + f.square_integral()), "{f:?}: {more:e} more than the tail");
+    }
+    // Where the tail is below rounding, to rounding.
+    for (spec, dim) in [
+        ("bump:q=8,r=0.5", 1),
+        ("bump:q=8,r=0.5,x=0.1", 2),
+        ("bump:q=8,r=0.25", 2),
+        ("bump:q=7,r=0.5", 2),
+        ("gaussian:sigma=0.2", 3),
+    ] {
+        let f = made(spec, dim);
+        let reach = [200, 60, 12][dim - 1];
+        let more = series_apart(&f, |r| f.autocorrelation(r), reach);
+        assert!(more.abs() < 1e-13, "{f:?}: {more:e}");
+        // Planted: a little beside it.
+        assert!(series_apart(&f, |r| f.autocorrelation(r) * (1.0 + 1e-9), reach) > 1e-12, "{f:?}");
+    }
+}
+
 /// Slices: a disk is chords, a ball disks. The trapezoidal rule in the angle is exact to rounding for chords, whose square is smooth all around.
 #[test]
 fn disks_are_chords_and_balls_are_disks() {
