@@ -33,7 +33,8 @@ fn look_nowhere_for_wayland() {
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
     look_nowhere_for_wayland();
-    let mut command = Arguments::command().mut_subcommand("analyze", pairwave::request::dress);
+    let dress = pairwave::request::dress;
+    let mut command = Arguments::command().mut_subcommand("analyze", dress).mut_subcommand("integrate", dress);
     let matches = command.get_matches_mut();
     // clap prints usage errors itself, with exit code 2.
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());

@@ -111,6 +111,12 @@ settings! {
     Sectors = "sectors",
     /// Largest frequency of the covariance of amplitudes.
     CovarianceFrequency = "covariance_frequency",
+    /// What is integrated.
+    Integrand = "integrand",
+    /// What estimates the integral.
+    Estimator = "estimator",
+    /// Shifts of each realization.
+    Shifts = "shifts",
     /// Taper of a window's spectrum.
     Taper = "taper",
     /// Number of sine tapers per axis.
@@ -155,8 +161,6 @@ settings! {
     Size = "size",
     /// File format of figures.
     Format = "format",
-    /// A function that is integrated.
-    Integrand = "integrand",
     /// Tolerance of a non-uniform transform; `accuracy` decides it in a request.
     Tolerance = "tolerance",
 }

@@ -3,6 +3,7 @@
 mod computed_by;
 mod discrepancy_sums;
 mod encode;
+mod integration_sums;
 mod kernel_sums;
 mod lag_counts;
 mod neighbor_sums;
@@ -16,6 +17,7 @@ mod wave_power;
 pub use computed_by::{Backend, ComputedBy};
 pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
+pub use integration_sums::{IntegrandSums, IntegrationSums, RealizationSums};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
 pub use neighbor_sums::{

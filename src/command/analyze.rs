@@ -115,6 +115,19 @@ impl Analyze {
 }
 
 impl Analyze {
+    /// What is asked for.
+    pub(crate) fn request(&self) -> &Request {
+        &self.request
+    }
+
+    /// The same with nothing but the integrals, unless statistics are asked for.
+    pub(crate) fn integrating(mut self) -> Self {
+        if self.request.stats == Request::default().stats {
+            self.request.stats.clear();
+        }
+        self
+    }
+
     /// What is looked at besides the points as they are.
     fn views(&self) -> Option<Views> {
         let many = self.request.input.sampler.is_some() && self.request.input.dim.is_some_and(|dim| dim > 3);

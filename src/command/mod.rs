@@ -3,6 +3,7 @@
 mod analyze;
 mod devices;
 mod integrands;
+mod integrate;
 mod out_of_memory;
 mod plot;
 mod progress;
@@ -19,6 +20,8 @@ pub(crate) use out_of_memory::Allocator;
 pub(crate) enum Command {
     /// Measure g(r), P(nu) and neighbour distances of point files or a sampler
     Analyze(Box<analyze::Analyze>),
+    /// Predict and observe errors of integrals over the points
+    Integrate(Box<integrate::Integrate>),
     /// Draw results again, several in one figure, without computing
     Plot(Box<plot::Plot>),
     /// Write realizations of a sampler to a file
@@ -37,6 +40,7 @@ impl Command {
     pub(crate) fn run(self) -> Result<()> {
         match self {
             Self::Analyze(analyze) => analyze.run(),
+            Self::Integrate(integrate) => integrate.run(),
             Self::Plot(plot) => plot.run(),
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),

@@ -11,6 +11,7 @@ mod device;
 pub mod gpu;
 pub mod neighbors;
 pub mod reference;
+mod shifts;
 
 #[doc(hidden)]
 pub use binned_kernel::kernel_sums as binned_kernel_sums;
@@ -20,12 +21,14 @@ pub(crate) use device::Session;
 use std::pin::Pin;
 
 use crate::accumulate::{
-    ComputedBy, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    ComputedBy, DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
+    WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts, WavePlan,
+    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan,
+    WaveCosts, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::Pool;
@@ -63,6 +66,8 @@ pub enum Work<'a> {
     Neighbors(&'a NeighborPlan),
     /// `Compute::discrepancies`.
     Discrepancy(&'a DiscrepancyPlan),
+    /// `Compute::integration`.
+    Integration(&'a IntegrationPlan),
 }
 
 /// Why the CPU path does something in place of a backend.
@@ -88,7 +93,11 @@ pub trait Compute: Send + Sync {
     fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
         match work {
             Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
-            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) | Work::Discrepancy(_) => Err(NotHere::Never),
+            Work::Kernel(_)
+            | Work::Covariance(_)
+            | Work::Neighbors(_)
+            | Work::Discrepancy(_)
+            | Work::Integration(_) => Err(NotHere::Never),
         }
     }
 
@@ -169,6 +178,16 @@ pub trait Compute: Send + Sync {
         _control: &'a Control,
     ) -> Pending<'a, DiscrepancySums> {
         at_once(|| Err(never(self.computed_by(), "discrepancies")))
+    }
+
+    /// Sums of integrands over the points, the power and the pairs of every realization.
+    fn integration<'a>(
+        &'a self,
+        _plan: &'a IntegrationPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, IntegrationSums> {
+        at_once(|| Err(never(self.computed_by(), "integration")))
     }
 }
 

@@ -80,6 +80,11 @@ impl WaveGrid {
         self.max_frequency
     }
 
+    /// `F` along each axis of the domain.
+    pub fn max_frequency_of_axes(&self) -> &[u32] {
+        &self.max_frequency[..self.dim]
+    }
+
     /// Stored length per axis: `F_0 + 1`, `2 F_1 + 1`, `2 F_2 + 1`.
     pub fn half_shape(&self) -> [usize; 3] {
         let [f0, f1, f2] = self.max_frequency.map(|f| f as usize);

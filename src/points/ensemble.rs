@@ -301,6 +301,29 @@ impl Ensemble {
         Self { domain: domain.clone(), lengths, coordinates: None, ..self.clone() }
     }
 
+    /// The same points without weights.
+    pub(crate) fn unweighted(&self) -> std::borrow::Cow<'_, Self> {
+        match self.weights {
+            None => std::borrow::Cow::Borrowed(self),
+            Some(_) => std::borrow::Cow::Owned(Self { weights: None, ..self.clone() }),
+        }
+    }
+
+    /// The fractions along one axis of a torus, in a torus of one.
+    pub(crate) fn on_axis(&self, axis: usize, line: &Domain) -> Self {
+        let one = |axes: &Vec<Vec<f64>>| vec![axes[axis].clone()];
+        Self {
+            domain: line.clone(),
+            first_index: self.first_index,
+            offsets: self.offsets.clone(),
+            fractions: vec![self.fractions[axis].clone()],
+            lengths: None,
+            coordinates: self.coordinates.as_ref().map(one),
+            weights: self.weights.clone(),
+            classes: self.classes.clone(),
+        }
+    }
+
     /// Number of points that coincide with an earlier point of the same realization: on a torus to 2^-64 of a side, in a
     /// window by their coordinates, where these are there.
     pub fn duplicates(&self) -> u64 {

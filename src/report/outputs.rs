@@ -45,7 +45,7 @@ pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<(C
         Make::Table(make) => make(a).map(|table| table.csv()).transpose()?.map(bytes),
         Make::Array(make) => make(a).map(|array| (Content::Array(array), None)),
         Make::Figure(make) => make(a).map(|figure| svg::svg(&figure)).transpose().map_err(io::Error::other)?.map(drawn),
-        Make::Svg(make) => Some(drawn(make(a).map_err(io::Error::other)?)),
+        Make::Svg(make) => make(a).transpose().map_err(io::Error::other)?.map(drawn),
         Make::Image(make) => make(a).map(encoded).transpose()?,
     })
 }

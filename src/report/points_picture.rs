@@ -18,7 +18,7 @@ impl Room for Here {
         const {
             let caption = |a: &Analysis, _: &str| Some(format!("The {}.", escape(&caption(a))));
             let place = Some(Place { heading: "Points", caption });
-            &[Output { name: "points.svg", turn: Turn::Points, make: Make::Svg(svg), place, shown: None }]
+            &[Output { name: "points.svg", turn: Turn::Points, make: Make::Svg(|a| Some(svg(a))), place, shown: None }]
         }
     }
 }

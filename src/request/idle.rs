@@ -15,6 +15,9 @@ fn statistics(row: &Row, request: &Request) -> &'static [Statistic] {
     }
 }
 
+/// Settings that integration reads too.
+const OF_INTEGRATION: [Setting; 2] = [Setting::MaxFrequency, Setting::CovarianceFrequency];
+
 /// Whether a setting is refused without its statistics. The normalization always has a value, asked for or not.
 fn may_be_idle(row: &Row) -> bool {
     !row.statistics.is_empty() && row.setting != Setting::Normalization
@@ -27,7 +30,10 @@ fn given(request: &Request) -> impl Iterator<Item = &'static Row> {
 
 /// What is given and is about no statistic that is asked for.
 fn idle(request: &Request) -> impl Iterator<Item = &'static Row> {
-    given(request).filter(|row| !statistics(row, request).iter().any(|s| request.stats.contains(s)))
+    let integrates = !request.integrand.is_empty();
+    given(request)
+        .filter(|row| !statistics(row, request).iter().any(|s| request.stats.contains(s)))
+        .filter(move |row| !(integrates && OF_INTEGRATION.contains(&row.setting)))
 }
 
 /// A setting of a statistic that was not asked for would be silently ignored.

@@ -15,8 +15,8 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, LagReach, SmoothingKernel,
-    Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, Estimator, LagReach,
+    SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -320,6 +320,26 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "B", allow_negative_numbers = true))]
     pub covariance_frequency: Option<u32>,
 
+    /// Predict the error of integrating this
+    ///
+    /// Predict and observe the error of integrating NAME or NAME:key=value,...; several times for several (`pairwave integrands` lists
+    /// them). Coordinates are fractions of the box.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SPEC"))]
+    pub integrand: Vec<String>,
+
+    /// mean, ratio or lambda
+    ///
+    /// What estimates the integral: the mean of f over the points (mean; ratio where their number is random), or their sum over the
+    /// expected number (lambda).
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
+    pub estimator: Option<Estimator>,
+
+    /// Shifts of each realization
+    ///
+    /// Shifts of each realization, of a lattice with a random offset, at which the error is observed.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", allow_negative_numbers = true))]
+    pub shifts: Option<u32>,
+
     /// Taper of P in a window: bartlett or sine
     ///
     /// Taper of a window's spectrum.
@@ -413,6 +433,9 @@ impl Default for Request {
             ring_directions: None,
             sectors: None,
             covariance_frequency: None,
+            integrand: Vec::new(),
+            estimator: None,
+            shifts: None,
             taper: None,
             tapers: None,
             debias: None,

@@ -23,6 +23,8 @@ pub enum Group {
     Lags,
     /// P.
     Frequencies,
+    /// Errors of integrals.
+    Integration,
     /// P of points in a window.
     Tapers,
     /// By what, and how well.
@@ -39,6 +41,7 @@ impl Group {
             Self::Distances => "Distances",
             Self::Lags => "Lags",
             Self::Frequencies => "Frequencies",
+            Self::Integration => "Integration",
             Self::Tapers => "Frequencies in a window",
             Self::Computing => "Computing",
         }
@@ -111,7 +114,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 51] = [
+pub static SETTINGS: [Row; 54] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -172,6 +175,10 @@ pub static SETTINGS: [Row; 51] = [
         default: Some("18")),
     row!(CovarianceFrequency, "--covariance-frequency", covariance_frequency, Frequencies, statistics: &[Covariance],
         otherwise: "8 in 2D, 64 in 1D, 2 in 3D"),
+    row!(Integrand, "--integrand", integrand, Integration, usual: true, refused: Some("predicts no integrals")),
+    row!(Estimator, "--estimator", estimator, Integration, needs: Some(Setting::Integrand),
+        otherwise: "mean for equal n, else lambda"),
+    row!(Shifts, "--shifts", shifts, Integration, needs: Some(Setting::Integrand), default: Some("16")),
     row!(Taper, "--taper", taper, Tapers, usual: true, statistics: WAVES, default: Some("bartlett"),
         otherwise: "bartlett, the same everywhere"),
     row!(Tapers, "--tapers", tapers, Tapers, statistics: WAVES, default: Some("1")),
@@ -213,7 +220,6 @@ impl Setting {
             Self::Projections => "--projections",
             Self::Prefixes => "--prefixes",
             Self::Tolerance => "--tolerance",
-            Self::Integrand => "--integrand",
             Self::Figures => "--figure",
             Self::Labels => "--labels",
             Self::RangeX => "--x",

@@ -11,7 +11,7 @@ use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, LagReach, SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, Estimator, LagReach, SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -110,6 +110,7 @@ chosen!(
     Correction,
     Debias,
     Divisor,
+    Estimator,
     Normalization,
     SmoothingKernel,
     Statistic,

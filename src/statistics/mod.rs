@@ -11,6 +11,7 @@ mod covariance;
 mod discrepancy;
 mod envelope;
 pub(crate) mod group;
+mod integration;
 mod keys;
 mod lags;
 mod layers;
@@ -90,6 +91,7 @@ pub(crate) const ROOMS: &[&dyn Room] = &[
     &convention::Here,
     &neighbors::Here,
     &discrepancy::Here,
+    &integration::Here,
 ];
 
 /// Behind a length on a terminal: the name of its unit, if it has one.

@@ -54,7 +54,7 @@ pub(crate) enum Make {
     Figure(fn(&Analysis) -> Option<Figure>),
     Image(fn(&Analysis) -> Option<Image>),
     /// Drawn by hand.
-    Svg(fn(&Analysis) -> Svg),
+    Svg(fn(&Analysis) -> Option<Svg>),
 }
 
 /// Where a picture stands in the page.

@@ -7,6 +7,7 @@ mod discrepancy;
 mod fixed_point;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod histogram_rows;
+mod integration;
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
@@ -40,10 +41,14 @@ pub use simd::fma_gflop;
 use super::neighbors::neighbor_sums;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy, LevelCounts, RealizationDiscrepancy};
-use crate::accumulate::{DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{
+    DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{
+    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -182,5 +187,14 @@ impl Compute for Cpu {
         control: &'a Control,
     ) -> Pending<'a, DiscrepancySums> {
         at_once(|| discrepancy::discrepancies(self, plan, ensemble, control))
+    }
+
+    fn integration<'a>(
+        &'a self,
+        plan: &'a IntegrationPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, IntegrationSums> {
+        at_once(|| integration::integration(self, plan, ensemble, control))
     }
 }

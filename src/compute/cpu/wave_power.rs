@@ -180,6 +180,20 @@ impl<'a> AnyMethod<'a> {
 type MethodKey = (WaveMethod, usize);
 
 pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
+    wave_power_seen(cpu, plan, ensemble, control, &|_, _| ())
+}
+
+/// What looks at `|s_m|^2` of one realization, at every stored mode.
+pub(super) type See<'a> = dyn Fn(usize, &[f64]) + Sync + 'a;
+
+/// The same, where each realization is looked at on the way.
+pub(super) fn wave_power_seen(
+    cpu: &Cpu,
+    plan: &WavePlan,
+    ensemble: &Ensemble,
+    control: &Control,
+    see: &See<'_>,
+) -> Result<WavePower> {
     // To choose a method is to look at every mode: once per number of points.
     let mut known = HashMap::new();
     let keys = (0..ensemble.realizations()).map(|k| {
@@ -190,7 +204,7 @@ pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, contro
         })
     });
     let keys = keys.collect();
-    LeafJob { cpu, plan, ensemble, control, keys }.run()
+    LeafJob { cpu, plan, ensemble, control, keys, see }.run()
 }
 
 /// `s_m` of one realization at every stored mode, real and imaginary part, in f64. All threads take part, unless called on one of them: then it works alone.
@@ -249,6 +263,7 @@ struct LeafJob<'a> {
     control: &'a Control,
     /// The method of each realization.
     keys: Vec<MethodKey>,
+    see: &'a See<'a>,
 }
 
 impl LeafJob<'_> {
@@ -369,6 +384,7 @@ impl LeafJob<'_> {
             let outside = rings.iter().enumerate().filter(|&(at, &ring)| ring == 0 && Some(at) != dc);
             outside.for_each(|(at, _)| power[at] = 0.0);
         }
+        (self.see)(k, power);
         sums.add(self.ensemble.first_index() + k as u64, self.ensemble.norm(k), power, &self.plan.rings);
     }
 }

@@ -3,6 +3,7 @@
 //! coordinates (tests/reference/coordinates.rs).
 
 mod discrepancy;
+mod integration;
 mod kernel_sums;
 mod lag_counts;
 mod neighbors;
@@ -21,12 +22,15 @@ use phases::Places;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{
-    CovarianceSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    CovarianceSums, DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
+    WavePower,
 };
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{
+    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -149,5 +153,14 @@ impl Compute for Reference {
         control: &'a Control,
     ) -> Pending<'a, DiscrepancySums> {
         at_once(|| discrepancy::discrepancies(plan, ensemble, control))
+    }
+
+    fn integration<'a>(
+        &'a self,
+        plan: &'a IntegrationPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, IntegrationSums> {
+        at_once(|| integration::integration(plan, ensemble, control))
     }
 }

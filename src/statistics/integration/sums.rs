@@ -1,0 +1,143 @@
+//! What integration errors are read off.
+
+use std::fmt;
+
+use serde_json::{Value, json};
+
+use crate::accumulate::{ComputedBy, IntegrationSums, WavePower};
+use crate::compute::Session;
+use crate::error::Result;
+use crate::estimate::{Analysis, IntegrationErrors};
+use crate::plan::{Batch, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
+use crate::points::Ensemble;
+use crate::request::Statistic;
+use crate::statistics::group::{Ask, Group, Parts, Subject, digest};
+
+/// Shifts of each realization where nothing is said.
+const SHIFTS: u32 = 16;
+
+/// The plan.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Integration(IntegrationPlan);
+
+/// Plans them, if an integrand is named.
+pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
+    let request = ask.request;
+    if request.integrand.is_empty() {
+        return Ok(());
+    }
+    let settings = IntegrationSettings {
+        integrands: &request.integrand,
+        estimator: request.estimator,
+        shifts: request.shifts.unwrap_or(SHIFTS),
+        max_frequency: request.max_frequency.as_deref(),
+        low_frequency: request.covariance_frequency,
+        accuracy: request.accuracy,
+        memory: request.memory(),
+        equal: ask.shape.mean_points == ask.shape.max_points as f64,
+    };
+    parts.add(Integration(IntegrationPlan::new(ask.domain, settings, ask.shape)?));
+    Ok(())
+}
+
+impl Group for Integration {
+    type Sums = IntegrationSums;
+
+    const NAME: &'static str = "integration";
+    const STAGE: &'static str = "integration";
+    const LAST_WORDS: bool = true;
+
+    fn statistics(&self) -> Vec<Statistic> {
+        Vec::new()
+    }
+
+    fn identity(&self) -> Value {
+        let plan = &self.0;
+        let of = |i: &crate::integrand::Integrand| json!([i.spec(), i.integral(), i.square_integral()]);
+        let pairs = match plan.pairs {
+            PairSum::Exact => json!("exact"),
+            PairSum::Deposit(nodes) => json!(nodes),
+            PairSum::None => Value::Null,
+        };
+        json!({
+            "integrands": plan.integrands.iter().map(of).collect::<Vec<_>>(),
+            "max_frequency": plan.max_frequency(),
+            "axis_frequency": plan.axis_frequency(),
+            "low_frequency": plan.low.max_frequency()[0],
+            "shifts": digest(plan.shifts.iter().copied()),
+            "pairs": pairs,
+            "accuracy": plan.grid.accuracy.name(),
+        })
+    }
+
+    fn batch(&self) -> Batch {
+        self.0.batch
+    }
+
+    fn seconds(&self, n: f64) -> f64 {
+        self.0.seconds(n)
+    }
+
+    fn none(&self, by: ComputedBy) -> IntegrationSums {
+        let none = |plan: &WavePlan| WavePower::new(by.clone(), plan.waves.len(), &plan.rings);
+        IntegrationSums {
+            grid: none(&self.0.grid),
+            axes: self.0.axes.iter().map(none).collect(),
+            integrands: self.0.integrands.len(),
+            realizations: Vec::new(),
+        }
+    }
+
+    async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<IntegrationSums> {
+        session.integration(&self.0, batch).await
+    }
+
+    fn estimate(&self, sums: &IntegrationSums, _: &Subject<'_>, found: &mut Analysis) {
+        found.findings.add(IntegrationErrors::new(&self.0, sums));
+    }
+
+    fn warnings(&self, _: &IntegrationSums, subject: &Subject<'_>, _: &Parts, found: &Analysis) -> Vec<String> {
+        let Some(errors) = found.integration() else { return Vec::new() };
+        let mut warnings = Vec::new();
+        if (2..30).contains(&errors.realizations) {
+            warnings.push(format!(
+                "the interval of an observed variance of {} realizations covers less than it says (some 80 % at K = 10, of clusters less)",
+                errors.realizations
+            ));
+        }
+        if errors.left_out > 0 {
+            warnings.push(format!(
+                "{} without points have no mean of f and are left out",
+                crate::error::plural(errors.left_out, "realization")
+            ));
+        }
+        if subject.request.input.weight_column.is_some() {
+            warnings.push("integration takes every point once, whatever its weight".into());
+        }
+        for one in &errors.each {
+            let (spec, whole) = (one.integrand.spec(), one.spectral.value + one.tail);
+            if one.tail_bound > 0.02 * whole && one.tail_share > 1e-12 {
+                warnings.push(format!(
+                    "{spec}: what lies beyond the frequencies measured is known to {:.1} % of the variance only (P = 1 is taken there); larger `max_frequency`, or the spatial form",
+                    100.0 * one.tail_bound / whole
+                ));
+            }
+            if let Some(z) = one.z.filter(|z| z.abs() > 4.5) {
+                warnings.push(format!(
+                    "{spec}: shifted and predicted variance are {z:.1} standard errors apart; with right formulas and many realizations they are not"
+                ));
+            }
+            let unclosed = one.integrand.coefficient_error().max(one.integrand.integral_error());
+            if unclosed > 0.0 {
+                warnings.push(format!("{spec}: its integral and Fourier coefficients are known to {unclosed:.1e}"));
+            }
+        }
+        warnings
+    }
+}
+
+impl fmt::Display for Integration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
