@@ -118,7 +118,7 @@ impl Panels {
                     return;
                 }
                 if panel == Panel::Points {
-                    points::realizations(ui, scene);
+                    ui.scope(|ui| points::realizations(ui, scene));
                 }
                 let full = scene.view.maximized == Some(panel);
                 let mut toggled = title.on_hover_text(panel.definition()).double_clicked();

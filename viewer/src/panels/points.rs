@@ -239,7 +239,10 @@ pub(super) fn realizations(ui: &mut egui::Ui, scene: &mut Scene<'_>) {
     let Some(set) = selected else { return };
     let last = set.last_realization();
     let help = format!("Which realization of {} is drawn, 0 to {last}: drag, type or use the arrow keys", set.name());
-    let label = ui.label(egui::RichText::new("realization").small().weak()).on_hover_text(&help).id;
+    // Beside it there are up to three buttons.
+    let name = if ui.available_width() > 215.0 { "realization" } else { "#" };
+    let label = ui.label(egui::RichText::new(name).small().weak()).on_hover_text(&help).id;
+    ui.spacing_mut().interact_size.x = 28.0;
     let mut index = set.realization.min(last);
     // An arrow key is worth as much as a drag of a point.
     let typed = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
