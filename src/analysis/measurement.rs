@@ -337,6 +337,15 @@ impl Measurement {
         check_convention(&self.request, self.source.domain(), self.shape())
     }
 
+    /// One realization, drawn or read again for itself; nothing is measured.
+    ///
+    /// # Errors
+    /// What the points say, `Error::Cancelled`.
+    pub fn realization(&self, index: u64, device: &Device, control: &Control) -> Result<Ensemble> {
+        let index = index.min(self.total().saturating_sub(1));
+        device.pool().install(|| self.source.batch(index..index + 1, control))
+    }
+
     /// Realizations of the whole batch.
     pub fn total(&self) -> u64 {
         self.source.shape().realizations

@@ -26,7 +26,7 @@ pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice
 pub use panel::Panel;
 pub(crate) use pixels::{DC, middle, peak};
 pub use pixels::{Pixels, spectrum_pixels, vector_pixels, vector_reach, vector_ticks};
-pub(crate) use ranges::{about_one, decades, defined_anisotropy, extent, top_of};
+pub(crate) use ranges::{about_one, decades, defined_anisotropy, extent, grow, top_of};
 pub use readout::{BinAt, LagAt, ModeAt, RingAt, bin_at, ring_at, spectrum_at, vector_at};
 pub(crate) use samples::{Interval, Samples};
 pub(crate) use text::{escape, human, shortened, untagged, with_error};

@@ -7,7 +7,7 @@ use crate::request::Statistic;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {
-    /// The points of the first realization.
+    /// The points of a realization.
     Points,
     /// g(r).
     Pcf,
@@ -52,7 +52,7 @@ impl Panel {
     /// What is shown: formula and unit.
     pub fn definition(self) -> &'static str {
         match self {
-            Self::Points => "The points of the first realization, in length units of the domain.",
+            Self::Points => "The points of one realization, in length units of the domain.",
             Self::Pcf => {
                 "Pair correlation function g(r) = |D| Σ c / (v Σ n(n-1)): ordered pairs whose distance is in the bin, over those \
                  expected of complete randomness in its shell v. Dimensionless; 1 where pairs are uncorrelated."

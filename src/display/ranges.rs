@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::Interval;
 use crate::estimate::RadialSpectrum;
 
 /// The upper end of an axis from 0: everything, unless a few values would squash the rest. Values whose error is of
@@ -25,6 +26,17 @@ pub(crate) fn decades(values: &[(f64, f64)]) -> Option<Range<f64>> {
     let (lowest, highest) = extent(&positive)?;
     let whole = 5 * positive.len() >= 3 * values.len() && highest > 30.0;
     whole.then(|| (0.7 * lowest.min(0.5)).max(1e-3)..1.5 * highest)
+}
+
+/// Whether places grow by much from one to the next, and so cover decades: on a linear axis the small ones would share a few pixels.
+pub(crate) fn grow(places: impl IntoIterator<Item = Interval>) -> bool {
+    let all: Vec<f64> = places.into_iter().map(|place| place.1).collect();
+    match all[..] {
+        [first, second, .., before, last] => {
+            first > 0.0 && last > 20.0 * first && last - before > 5.0 * (second - first).abs()
+        }
+        _ => false,
+    }
 }
 
 /// Anisotropy in dB, where it is defined.

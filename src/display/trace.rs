@@ -136,11 +136,11 @@ impl Panel {
         match self {
             Self::Pcf => {
                 let unit = LengthUnit::PackingDistance;
-                Some((unit.size(domain, n), unit.symbol(domain.dim())))
+                Some((unit.size(domain, n), unit.symbol(domain.dim(), analysis.unit)))
             }
             Self::Radial | Self::Anisotropy if !analysis.conventions.foreign => {
                 let unit = FrequencyUnit::SqrtN;
-                Some((unit.size(domain, n), unit.symbol(domain)))
+                Some((unit.size(domain, n), unit.symbol(domain, analysis.unit)))
             }
             _ => None,
         }

@@ -87,10 +87,10 @@ impl LengthUnit {
         }
     }
 
-    /// Its symbol: `d_hex` in 2D, `d_fcc` in 3D, `d_even` in 1D.
-    pub fn symbol(self, dim: usize) -> String {
+    /// Its symbol: the name of the domain's own unit, if it has one; `d_hex` in 2D, `d_fcc` in 3D, `d_even` in 1D.
+    pub fn symbol(self, dim: usize, name: Option<UnitName>) -> String {
         match self {
-            Self::Box => LENGTH_UNITS.into(),
+            Self::Box => name.map_or(LENGTH_UNITS.into(), |name| name.to_string()),
             Self::PackingDistance => {
                 let (base, index) = packing_symbol(dim);
                 format!("{base}_{index}")
@@ -123,11 +123,11 @@ impl FrequencyUnit {
         }
     }
 
-    /// Its symbol: `√n`, where the domain's measure is 1; else `√λ`.
-    pub fn symbol(self, domain: &Domain) -> String {
+    /// Its symbol: cycles per length unit, by its name if it has one; `√n`, where the domain's measure is 1; else `√λ`.
+    pub fn symbol(self, domain: &Domain, name: Option<UnitName>) -> String {
         let base = if domain.measure() == 1.0 { "n" } else { "λ" };
         match (self, domain.dim()) {
-            (Self::Cycles, _) => CYCLES.into(),
+            (Self::Cycles, _) => per_own(CYCLES, name),
             (Self::SqrtN, 1) => base.into(),
             (Self::SqrtN, 2) => format!("√{base}"),
             (Self::SqrtN, _) => format!("∛{base}"),
@@ -312,7 +312,7 @@ impl Axis {
         let named = |whole: &'static str| self.component.unwrap_or(whole);
         match self.quantity {
             Quantity::Distance { unit: LengthUnit::Box, .. } => named("r").into(),
-            Quantity::Distance { unit, dim, .. } => format!("{} / {}", named("r"), unit.symbol(dim)),
+            Quantity::Distance { unit, dim, .. } => format!("{} / {}", named("r"), unit.symbol(dim, None)),
             Quantity::Frequency { unit: FrequencyUnit::Cycles, .. } | Quantity::ForeignFrequency(..) => {
                 named("ν").into()
             }
@@ -413,9 +413,9 @@ mod tests {
         let square = Domain::torus(&[2.0, 2.0]).unwrap();
         assert_eq!(LengthUnit::PackingDistance.size(&square, 100.0), square.closest_packing_distance(100.0));
         assert_eq!(FrequencyUnit::SqrtN.size(&square, 100.0), 5.0);
-        assert_eq!(FrequencyUnit::SqrtN.symbol(&square), "√λ");
-        assert_eq!(FrequencyUnit::SqrtN.symbol(&Domain::unit_torus(3)), "∛n");
-        assert_eq!(LengthUnit::PackingDistance.symbol(3), "d_fcc");
+        assert_eq!(FrequencyUnit::SqrtN.symbol(&square, None), "√λ");
+        assert_eq!(FrequencyUnit::SqrtN.symbol(&Domain::unit_torus(3), None), "∛n");
+        assert_eq!(LengthUnit::PackingDistance.symbol(3, None), "d_fcc");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::{html, outputs, picture_figure};
 use crate::display::{Panel, untagged};
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
-use crate::points::{RawPoints, write};
+use crate::points::{Ensemble, RawPoints, write};
 
 /// Which files of a panel an analysis has the data for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,10 +74,10 @@ pub fn png(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
 /// What cannot be drawn or encoded, by the name of the file.
 pub fn csv(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
     let name = match panel {
-        Panel::Points => return first_points(analysis).map(|points| write::csv(&points)).transpose(),
         Panel::Pcf => "pcf.csv",
         Panel::Radial | Panel::Anisotropy => "spectrum_radial.csv",
         Panel::Spectrum => "spectrum_list.csv",
+        Panel::Points => return points_csv(&analysis.first),
         Panel::Vector => return Ok(None),
     };
     outputs::bytes(name, analysis)
@@ -96,14 +96,17 @@ pub fn scalars(analysis: &Analysis) -> Vec<(String, String)> {
     html::glance(analysis).into_iter().map(|(name, value)| (untagged(&name), untagged(&value))).collect()
 }
 
-/// The first realization, if it has points.
-fn first_points(analysis: &Analysis) -> Option<RawPoints> {
-    let first = &analysis.first;
-    let n = (first.realizations() > 0).then(|| first.points_in(0)).filter(|&n| n > 0)?;
-    Some(RawPoints {
-        dim: analysis.domain.dim(),
-        coordinates: (0..n).flat_map(|j| first.position(0, j)).collect(),
+/// The coordinates of the first of some realizations as CSV. `None` where it has no points.
+///
+/// # Errors
+/// What cannot be encoded.
+pub fn points_csv(points: &Ensemble) -> Result<Option<Vec<u8>>> {
+    let n = (points.realizations() > 0).then(|| points.points_in(0)).filter(|&n| n > 0);
+    let raw = n.map(|n| RawPoints {
+        dim: points.domain().dim(),
+        coordinates: (0..n).flat_map(|j| points.position(0, j)).collect(),
         source: "points.csv".into(),
         lines: Vec::new(),
-    })
+    });
+    raw.map(|raw| write::csv(&raw)).transpose()
 }

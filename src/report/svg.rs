@@ -139,8 +139,10 @@ impl Drawing<'_> {
         // As many ticks as there is room for their labels.
         let across = ((self.right() - LEFT) / 87.0).round().max(2.0) as u32;
         let upward = ((self.bottom() - self.frame_top()) / 60.0).round().max(2.0) as u32;
-        let x_ticks = if self.figure.log_x { log_ticks(&self.figure.x) } else { ticks(&self.figure.x, across) };
-        let y_ticks = if self.figure.log_y { log_ticks(&self.figure.y) } else { ticks(&self.figure.y, upward) };
+        let mut x_ticks = if self.figure.log_x { log_ticks(&self.figure.x) } else { ticks(&self.figure.x, across) };
+        let mut y_ticks = if self.figure.log_y { log_ticks(&self.figure.y) } else { ticks(&self.figure.y, upward) };
+        keep_apart(&mut x_ticks, |x, text| (self.px_x(x), 10.0 + width_of(text)));
+        keep_apart(&mut y_ticks, |y, _| (self.px_y(y), 17.0));
         for &(x, ref label) in &x_ticks {
             write_text(&mut text, self.px_x(x), self.bottom() + 21.0, "middle", LABEL, label);
         }
@@ -156,6 +158,7 @@ impl Drawing<'_> {
         if let Some(top) = &self.figure.top {
             let range = self.figure.x.start / top.unit..self.figure.x.end / top.unit;
             top_ticks = if self.figure.log_x { log_ticks(&range) } else { ticks(&range, across) };
+            keep_apart(&mut top_ticks, |t, text| (self.px_x(t * top.unit), 10.0 + width_of(text)));
             for (t, label) in &mut top_ticks {
                 *t *= top.unit;
                 write_text(&mut text, self.px_x(*t), self.frame_top() - 11.0, "middle", LABEL, label);
@@ -286,6 +289,22 @@ impl Drawing<'_> {
                     hex(*color),
                 );
                 write_text(text, x + 33.0, y, "start", LABEL, name);
+            }
+        }
+    }
+}
+
+/// Takes away labels that would lie over others: those of decades come first. `room`: the middle of a label, and what it takes.
+fn keep_apart(ticks: &mut [(f64, String)], room: impl Fn(f64, &str) -> (f64, f64)) {
+    let is_decade = |value: f64| (value.abs().log10() - value.abs().log10().round()).abs() < 1e-9;
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for decades in [true, false] {
+        for (value, label) in ticks.iter_mut().filter(|tick| is_decade(tick.0) == decades) {
+            let (middle, width) = room(*value, label);
+            if kept.iter().all(|other| (other.0 - middle).abs() >= 0.5 * (other.1 + width)) {
+                kept.push((middle, width));
+            } else {
+                label.clear();
             }
         }
     }
@@ -453,6 +472,20 @@ fn clipped_polygon(polygon: Vec<(f64, f64)>, strip: &Range<f64>) -> Vec<(f64, f6
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn labels_do_not_lie_over_each_other() {
+        let mut ticks = log_ticks(&(0.011..7.0));
+        let before = ticks.clone();
+        keep_apart(&mut ticks, |x, text| (40.0 * x.log10(), width_of(text)));
+        let labels: Vec<&str> = ticks.iter().map(|t| t.1.as_str()).filter(|text| !text.is_empty()).collect();
+        assert!(labels.len() < before.len() && labels.contains(&"0.1") && labels.contains(&"1"), "{labels:?}");
+        // Where there is room, all stay.
+        keep_apart(&mut ticks, |x, text| (400.0 * x.log10(), width_of(text)));
+        let mut wide = before.clone();
+        keep_apart(&mut wide, |x, text| (400.0 * x.log10(), width_of(text)));
+        assert_eq!(wide, before);
+    }
 
     #[test]
     fn curves_are_cut_at_the_frame() {

@@ -24,6 +24,8 @@ pub(crate) enum Action {
     Select(SetId),
     /// Draws a set, and so measures it, or does not.
     Show(SetId, bool),
+    /// Draws the points of another realization of a set.
+    Realization(SetId, u64),
     /// Leaves a set as it is, or goes on with it.
     Cancel(SetId, bool),
     /// Removes a set.
@@ -86,6 +88,9 @@ pub(crate) enum Take {
     Shown,
     /// As shown, with so many times the pixels.
     Enlarged(u32),
+    /// As shown, in lines and texts.
+    Figure,
+    /// The figure of the report.
     Svg,
     Png,
     Csv,

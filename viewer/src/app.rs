@@ -45,6 +45,8 @@ pub struct Viewer {
     asked: BTreeMap<SetId, Request>,
     /// Whether it was last told to leave a set as it is: every set that it knows is here.
     held: BTreeMap<SetId, bool>,
+    /// Which realization it was last told to draw.
+    looked: BTreeMap<SetId, u64>,
     has_style: bool,
     /// What the window is called.
     title: String,
@@ -71,6 +73,7 @@ impl Viewer {
             worker: Worker::new(notify)?,
             asked: BTreeMap::new(),
             held: BTreeMap::new(),
+            looked: BTreeMap::new(),
             has_style: false,
             title: String::new(),
         };
@@ -124,11 +127,19 @@ impl Viewer {
             if let Some(latest) = self.worker.latest(id) {
                 set.snapshot = Some(latest);
             }
+            // Fewer realizations than there were, and the one that was chosen is not among them.
+            if set.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.is_some()) {
+                set.realization = set.realization.min(set.last_realization());
+            }
+            if self.asked.contains_key(&id) && self.looked.insert(id, set.realization) != Some(set.realization) {
+                self.worker.look(id, set.realization);
+            }
         }
         let is_there = |id: &SetId| self.state.sets.iter().any(|s| s.id == *id);
         self.held.keys().filter(|id| !is_there(id)).for_each(|id| self.worker.remove(*id));
         self.asked.retain(|id, _| is_there(id));
         self.held.retain(|id, _| is_there(id));
+        self.looked.retain(|id, _| is_there(id));
     }
 
     /// Has results come as often as drawing them leaves the processor to measuring.
@@ -296,6 +307,7 @@ impl Viewer {
             Action::Plane(plane) => state.view.plane = plane,
             Action::Select(id) => state.select(id),
             Action::Show(id, visible) => state.change(id, |set| set.visible = visible),
+            Action::Realization(id, index) => state.change(id, |set| set.realization = index),
             Action::Cancel(id, cancelled) => state.change(id, |set| set.cancelled = cancelled),
             Action::Remove(id) => state.remove(id),
             Action::AddSampler(name) => state.add_sampler(name),
@@ -303,6 +315,7 @@ impl Viewer {
             Action::Take(_, Take::Command) => self.copy_command(ctx),
             Action::Take(panel, take @ (Take::CopyPicture | Take::Shown)) => self.exports.ask(panel, take),
             Action::Take(panel, Take::Enlarged(times)) => self.enlarge(ctx, panel, times),
+            Action::Take(panel, Take::Figure) => self.write_figure(ctx, panel),
             Action::Take(panel, take) => {
                 let Some(set) = state.selected_set() else { return };
                 let file = export::saved(panel, take, set, state.sets.len());
@@ -367,12 +380,34 @@ impl Viewer {
     /// Writes a panel as it is shown, with `times` the pixels along both sides.
     fn enlarge(&mut self, ctx: &egui::Context, panel: Panel, times: u32) {
         let (Some(device), Some(rect)) = (&self.drawn_by, self.exports.place(panel)) else { return };
+        let scale = ctx.pixels_per_point();
+        let shown = export::pixels(rect, scale).size();
+        let size = [shown.x, shown.y].map(|side| side as u32 * times);
+        let (own, draw) = self.beside(ctx, panel);
+        let image = offscreen::draw(device, &own, size, scale * times as f32, draw);
+        let Some(set) = self.state.selected_set() else { return };
+        let take = Take::Enlarged(times);
+        let file = image.and_then(|image| export::saved_picture(panel, take, &image, set, self.state.sets.len()));
+        self.save(file);
+    }
+
+    /// Writes a panel as it is shown, as SVG.
+    fn write_figure(&mut self, ctx: &egui::Context, panel: Panel) {
+        let (Some(rect), Some(set)) = (self.exports.place(panel), self.state.selected_set()) else { return };
+        let name = export::name(panel, Take::Figure, set, self.state.sets.len());
+        let (own, draw) = self.beside(ctx, panel);
+        let text = offscreen::svg(&own, rect.size().round(), ctx.input(|i| i.max_texture_side), draw);
+        self.save(text.map(|text| (name, text.into_bytes())));
+    }
+
+    /// A context beside that of the window, and what draws a panel there as it is shown here.
+    fn beside(&self, ctx: &egui::Context, panel: Panel) -> (egui::Context, impl FnMut(&mut egui::Ui)) {
         let own = egui::Context::default();
         style::install(&own);
         own.set_theme(ctx.theme());
         let (mut panels, mut hover, mut exports) = (self.panels.picture(), Hover::default(), Exports::default());
         let state = &self.state;
-        let draw = |ui: &mut egui::Ui| {
+        let draw = move |ui: &mut egui::Ui| {
             ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
             let mut scene = Scene {
                 sets: &state.sets,
@@ -386,14 +421,7 @@ impl Viewer {
             };
             panels.frame(ui, panel, &mut scene);
         };
-        let scale = ctx.pixels_per_point();
-        let shown = export::pixels(rect, scale).size();
-        let size = [shown.x, shown.y].map(|side| side as u32 * times);
-        let image = offscreen::draw(device, &own, size, scale * times as f32, draw);
-        let Some(set) = state.selected_set() else { return };
-        let take = Take::Enlarged(times);
-        let file = image.and_then(|image| export::saved_picture(panel, take, &image, set, state.sets.len()));
-        self.save(file);
+        (own, draw)
     }
 
     fn take_picture(&mut self, ctx: &egui::Context, panel: Panel, take: Take, image: Option<egui::ColorImage>) {

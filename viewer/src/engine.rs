@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use pairwave::analysis::{Analysis, Measurement, Status};
 use pairwave::compute::Device;
 use pairwave::control::Control;
-use pairwave::request::DeviceChoice;
-use pairwave::request::Request;
+use pairwave::points::Ensemble;
+use pairwave::request::{DeviceChoice, PointsRequest, Request};
 use pairwave::{Error, Result, Setting};
 
 use crate::controls;
@@ -26,6 +26,8 @@ pub struct Snapshot {
     pub request: Request,
     /// Estimates of the realizations so far.
     pub analysis: Option<Arc<Analysis>>,
+    /// The realization whose points are drawn, where another than the first was chosen.
+    pub points: Option<Arc<Ensemble>>,
     /// How far it is, and what it was spared.
     pub status: Option<Status>,
     /// Whether all realizations are in.
@@ -65,8 +67,21 @@ struct Task {
     measurement: Option<Measurement>,
     device: Option<Arc<Device>>,
     shown: Option<Instant>,
+    /// The realization that is to be drawn, and that of `points`.
+    chosen: u64,
+    points: Option<Arc<Ensemble>>,
+    /// What was given out last.
+    last: Option<Snapshot>,
     /// Nothing is left to do, or it failed.
     idle: bool,
+}
+
+impl Task {
+    /// Whether the realization that was chosen is not there yet.
+    fn looks(&self) -> bool {
+        let there = self.points.as_ref().map_or(0, |points| points.first_index());
+        self.chosen != there && !self.changed && self.last.is_some() && self.measurement.is_some()
+    }
 }
 
 impl Default for Engine {
@@ -84,8 +99,15 @@ impl Engine {
             measurement: None,
             device: None,
             shown: None,
+            chosen: 0,
+            points: None,
+            last: None,
             idle: false,
         });
+        let of_one = |points: &PointsRequest| PointsRequest { realizations: None, ..points.clone() };
+        if of_one(&job.request.input) != of_one(&request.input) {
+            job.points = None;
+        }
         (job.request, job.changed, job.idle, job.shown) = (request, true, false, None);
     }
 
@@ -104,9 +126,45 @@ impl Engine {
         }
     }
 
-    /// Whether there is anything to do.
+    /// Chooses the realization whose points are drawn.
+    pub fn look(&mut self, id: SetId, realization: u64) {
+        if let Some(job) = self.jobs.get_mut(&id) {
+            job.chosen = realization;
+        }
+    }
+
+    /// Whether there is anything to measure.
     pub fn is_idle(&self) -> bool {
         self.next().is_none()
+    }
+
+    /// A set of which another realization is to be drawn.
+    pub fn looking(&self) -> Option<SetId> {
+        self.jobs.iter().find(|(_, job)| job.looks()).map(|(&id, _)| id)
+    }
+
+    /// Draws or reads that realization, and nothing else. What there is to show of the set then.
+    pub fn fetch(&mut self, control: &Control) -> Option<(SetId, Snapshot)> {
+        let id = self.looking()?;
+        let job = self.jobs.get_mut(&id)?;
+        let (Some(measurement), Some(device)) = (&job.measurement, &job.device) else { return None };
+        job.chosen = job.chosen.min(measurement.total().saturating_sub(1));
+        job.points = None;
+        let mut failed = None;
+        if job.chosen > 0 {
+            match measurement.realization(job.chosen, device, control) {
+                Ok(points) => job.points = Some(Arc::new(points)),
+                Err(Error::Cancelled) => return None,
+                Err(error) => {
+                    job.chosen = 0;
+                    failed = Some(error.told(controls::title));
+                }
+            }
+        }
+        let last = job.last.as_mut()?;
+        last.points = job.points.clone();
+        last.error = failed.or_else(|| last.error.clone());
+        Some((id, last.clone()))
     }
 
     /// The set whose turn it is.
@@ -127,7 +185,8 @@ impl Engine {
         let error = "an internal error stopped this set: a bug of pairwave; other settings start it again".to_string();
         let (generation, device) = (self.generation, String::new());
         let (analysis, status, setting) = (None, None, None);
-        (id, Snapshot { request, analysis, status, done: false, error: Some(error), setting, device, generation })
+        let (done, error, points) = (false, Some(error), None);
+        (id, Snapshot { request, analysis, points, status, done, error, setting, device, generation })
     }
 
     /// One step of the set whose turn it is. What there is to show of it, when it is time to.
@@ -154,6 +213,7 @@ impl Engine {
             Snapshot {
                 request: job.request.clone(),
                 analysis,
+                points: job.points.clone(),
                 status: measurement.map(Measurement::status),
                 done: matches!(more, Ok(false)),
                 error: more.as_ref().err().map(|e| e.told(controls::title)),
@@ -165,6 +225,9 @@ impl Engine {
                 generation: self.generation,
             }
         });
+        if snapshot.is_some() {
+            job.last = snapshot.clone();
+        }
         self.jobs.insert(id, job);
         snapshot.map(|s| (id, s))
     }

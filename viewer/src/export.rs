@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use eframe::egui;
 use pairwave::analysis::Analysis;
 use pairwave::display::Panel;
+use pairwave::points::Ensemble;
 use pairwave::report::panel::{self, Offers};
 use pairwave::request::Request;
 
@@ -89,7 +90,7 @@ fn entries(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize, can_enlarge
     heading(ui, panel, set, count);
     let mut chosen = None;
     for takes in [
-        &[Take::CopyPicture, Take::Shown, Take::Enlarged(2), Take::Enlarged(4)][..],
+        &[Take::CopyPicture, Take::Shown, Take::Enlarged(2), Take::Enlarged(4), Take::Figure][..],
         &[Take::Svg, Take::Png, Take::Csv, Take::Npy],
         &[Take::Command],
     ] {
@@ -97,7 +98,7 @@ fn entries(ui: &mut egui::Ui, panel: Panel, set: &Set, count: usize, can_enlarge
         for &take in takes {
             let (text, about) = words(panel, take);
             let there = match (take, &offers) {
-                (Take::CopyPicture | Take::Shown | Take::Command, _) => true,
+                (Take::CopyPicture | Take::Shown | Take::Figure | Take::Command, _) => true,
                 (Take::Enlarged(_), _) => can_enlarge,
                 (_, None) => false,
                 (take, Some(offers)) => offered(take, offers),
@@ -143,11 +144,17 @@ fn words(panel: Panel, take: Take) -> (&'static str, &'static str) {
         Take::Enlarged(_) => {
             ("The same at 4 times", "This panel as it is shown, 16 pixels for each: scales, units, zoom and all sets")
         }
-        Take::Svg => ("Figure (SVG)", "As in the report of pairwave analyze: with axes, units and caption, for print"),
+        Take::Figure => (
+            "Figure (SVG)",
+            "This panel as it is shown, in lines and texts for print: scales, units, zoom and all sets",
+        ),
+        Take::Svg => {
+            ("Figure of the report (SVG)", "As in the report of pairwave analyze: with axes, units and caption")
+        }
         Take::Png => {
             ("Picture (PNG)", "As in the report of pairwave analyze: a pixel or more per cell, in its colours")
         }
-        Take::Csv if points => ("Numbers (CSV)", "Coordinates of the first realization"),
+        Take::Csv if points => ("Numbers (CSV)", "Coordinates of the realization that is shown"),
         Take::Csv => ("Numbers (CSV)", "The file that pairwave analyze writes, with every error"),
         Take::Npy => ("Numbers (NPY)", "The array that pairwave analyze writes, for NumPy"),
         Take::Command => ("Copy the command", "The pairwave analyze that gives these numbers, to the clipboard"),
@@ -160,7 +167,7 @@ fn offered(take: Take, offers: &Offers) -> bool {
         Take::Png => offers.png,
         Take::Csv => offers.csv,
         Take::Npy => offers.npy,
-        Take::CopyPicture | Take::Shown | Take::Enlarged(_) | Take::Command => true,
+        Take::CopyPicture | Take::Shown | Take::Enlarged(_) | Take::Figure | Take::Command => true,
     }
 }
 
@@ -206,7 +213,7 @@ fn crop(window: &egui::ColorImage, rect: egui::Rect, pixels_per_point: f32) -> O
 }
 
 /// A picture as PNG; a window has no holes, so without an alpha channel.
-fn encode(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+pub(crate) fn encode(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
     let rgb: Vec<u8> = image.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
     let mut bytes = Vec::new();
     let [width, height] = image.size.map(|side| side as u32);
@@ -219,23 +226,25 @@ fn encode(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
     Ok(bytes)
 }
 
-/// The bytes of a file of the report.
-fn file(panel: Panel, take: Take, analysis: &Analysis) -> pairwave::Result<Option<Vec<u8>>> {
+/// The bytes of a file of the report; of points, those that are shown.
+fn file(panel: Panel, take: Take, analysis: &Analysis, points: &Ensemble) -> pairwave::Result<Option<Vec<u8>>> {
     match take {
+        Take::Csv if panel == Panel::Points => panel::points_csv(points),
         Take::Svg => Ok(panel::svg(panel, analysis)?.map(String::into_bytes)),
         Take::Png => panel::png(panel, analysis),
         Take::Csv => panel::csv(panel, analysis),
         Take::Npy => panel::npy(panel, analysis),
-        Take::CopyPicture | Take::Shown | Take::Enlarged(_) | Take::Command => Ok(None),
+        Take::CopyPicture | Take::Shown | Take::Enlarged(_) | Take::Figure | Take::Command => Ok(None),
     }
 }
 
 /// The name of a file: that of the report, after the set where there are several.
-fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String {
+pub(crate) fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String {
     let file = match take {
         // The report has one table for both.
         Take::Csv if panel == Panel::Anisotropy => format!("{}.csv", Panel::Radial.slug()),
         Take::Svg => format!("{}.svg", panel.slug()),
+        Take::Figure => format!("{}_shown.svg", panel.slug()),
         Take::Csv => format!("{}.csv", panel.slug()),
         Take::Npy => format!("{}.npy", panel.slug()),
         Take::Png => format!("{}.png", panel.slug()),
@@ -254,7 +263,7 @@ fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String {
 /// What is saved of a panel of the selected set, one of `count`: the name of the file and its bytes, or why there is none.
 pub(crate) fn saved(panel: Panel, take: Take, set: &Set, count: usize) -> Result<(String, Vec<u8>), String> {
     let name = name(panel, take, set, count);
-    match set.analysis().map(|analysis| file(panel, take, analysis)) {
+    match set.analysis().zip(set.points()).map(|(analysis, points)| file(panel, take, analysis, points)) {
         Some(Ok(Some(bytes))) => Ok((name, bytes)),
         Some(Err(error)) => Err(error.told(pairwave::Setting::flag)),
         Some(Ok(None)) | None => Err(format!("{name}: there are no data for it any more")),

@@ -29,5 +29,6 @@ mod set;
 mod state;
 mod status;
 mod style;
+mod svg;
 pub mod view;
 pub mod worker;

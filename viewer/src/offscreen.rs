@@ -1,10 +1,67 @@
-//! Pictures larger than the screen: laid out and drawn in a context of their own, by the device that draws the window.
+//! Pictures beside the screen, laid out in a context of their own: of more pixels than it has, drawn by the device that draws the
+//! window, or as SVG.
+
+use std::sync::Arc;
 
 use eframe::egui;
+use eframe::egui::epaint::{ClippedShape, ImageDelta};
 use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions, ScreenDescriptor, wgpu};
+
+use crate::svg::{self, Pictures};
 
 /// Frames until a layout has settled: fonts are there in the second, axes have their room in the third.
 const FRAMES: usize = 4;
+
+/// Lays a picture of so many points out, in a context of its own. Its shapes; `texture` hears of the pictures in it.
+fn laid_out(
+    ctx: &egui::Context,
+    size: egui::Vec2,
+    pixels_per_point: f32,
+    most: usize,
+    mut ui: impl FnMut(&mut egui::Ui),
+    mut texture: impl FnMut(egui::TextureId, &ImageDelta),
+) -> Vec<ClippedShape> {
+    let mut shapes = Vec::new();
+    for _ in 0..FRAMES {
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+            max_texture_side: Some(most),
+            ..Default::default()
+        };
+        if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(pixels_per_point);
+        }
+        let mut output = ctx.run_ui(input, &mut ui);
+        for (id, images) in output.textures_delta.set.drain() {
+            images.iter().for_each(|image| texture(id, image));
+        }
+        // What is to be freed goes with the context.
+        output.textures_delta.free.clear();
+        shapes = output.shapes;
+    }
+    shapes
+}
+
+/// A picture of so many points as SVG; pictures in it have at most so many pixels per side.
+///
+/// # Errors
+/// A picture in it that cannot be encoded, in words.
+pub(crate) fn svg(
+    ctx: &egui::Context,
+    size: egui::Vec2,
+    most: usize,
+    ui: impl FnMut(&mut egui::Ui),
+) -> Result<String, String> {
+    let mut pictures = Pictures::new();
+    let shapes = laid_out(ctx, size, 1.0, most, ui, |id, image| {
+        // The default one holds letters, which are written as text.
+        let egui::ImageData::Color(whole) = &image.image;
+        if id != egui::TextureId::default() && image.pos.is_none() {
+            pictures.insert(id, Arc::unwrap_or_clone(whole.clone()));
+        }
+    });
+    svg::document(size, &shapes, &pictures)
+}
 
 /// Draws a picture of so many pixels, and so many of them per point.
 ///
@@ -15,7 +72,7 @@ pub(crate) fn draw(
     ctx: &egui::Context,
     [width, height]: [u32; 2],
     pixels_per_point: f32,
-    mut ui: impl FnMut(&mut egui::Ui),
+    ui: impl FnMut(&mut egui::Ui),
 ) -> Result<egui::ColorImage, String> {
     let (device, queue) = (&state.device, &state.queue);
     let size = egui::vec2(width as f32, height as f32) / pixels_per_point;
@@ -27,29 +84,9 @@ pub(crate) fn draw(
     }
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let mut renderer = Renderer::new(device, format, RendererOptions::default());
-    let jobs = {
-        let mut all = FRAMES;
-        loop {
-            let mut input = egui::RawInput {
-                screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
-                max_texture_side: Some(most as usize),
-                ..Default::default()
-            };
-            if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
-                viewport.native_pixels_per_point = Some(pixels_per_point);
-            }
-            let mut output = ctx.run_ui(input, &mut ui);
-            for (id, images) in output.textures_delta.set.drain() {
-                images.iter().for_each(|image| renderer.update_texture(device, queue, id, image));
-            }
-            // What is to be freed goes with the renderer.
-            output.textures_delta.free.clear();
-            all -= 1;
-            if all == 0 {
-                break ctx.tessellate(output.shapes, pixels_per_point);
-            }
-        }
-    };
+    let texture = |id, image: &ImageDelta| renderer.update_texture(device, queue, id, image);
+    let shapes = laid_out(ctx, size, pixels_per_point, most as usize, ui, texture);
+    let jobs = ctx.tessellate(shapes, pixels_per_point);
     let screen = ScreenDescriptor { size_in_pixels: [width, height], pixels_per_point };
     let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {

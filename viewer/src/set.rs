@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use pairwave::analysis::Analysis;
+use pairwave::points::Ensemble;
 use pairwave::request::Request;
 use pairwave::samplers::find;
 
@@ -26,12 +27,26 @@ pub(crate) struct Set {
     /// What is asked for; statistics follow from the panels.
     pub(crate) request: Request,
     pub(crate) snapshot: Option<Arc<Snapshot>>,
+    /// The realization whose points are drawn, from 0.
+    pub(crate) realization: u64,
 }
 
 impl Set {
     /// What there is to draw.
     pub(crate) fn analysis(&self) -> Option<&Analysis> {
         self.snapshot.as_ref()?.analysis.as_deref()
+    }
+
+    /// The points that are drawn: of the realization that was chosen, as soon as it is there.
+    pub(crate) fn points(&self) -> Option<&Ensemble> {
+        let snapshot = self.snapshot.as_ref()?;
+        snapshot.points.as_deref().or(snapshot.analysis.as_deref().map(|analysis| &analysis.first))
+    }
+
+    /// The last realization there is.
+    pub(crate) fn last_realization(&self) -> u64 {
+        let status = self.snapshot.as_ref().and_then(|snapshot| snapshot.status.as_ref());
+        status.map_or(0, |status| status.total.saturating_sub(1))
     }
 
     /// Its name with what was measured, for those who cannot see it.

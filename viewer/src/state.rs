@@ -67,7 +67,15 @@ impl State {
 
     fn push(&mut self, (request, color, visible): Wanted) {
         self.ever += 1;
-        self.sets.push(Set { id: self.ever, color, visible, cancelled: false, request, snapshot: None });
+        self.sets.push(Set {
+            id: self.ever,
+            color,
+            visible,
+            cancelled: false,
+            request,
+            snapshot: None,
+            realization: 0,
+        });
     }
 
     /// Adds a set of a sampler, measured like the one that is selected.

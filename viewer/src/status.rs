@@ -43,7 +43,7 @@ pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Actio
             return;
         }
         let Some(status) = &snapshot.status else {
-            ui.label(&snapshot.device);
+            ui.add(egui::Label::new(&snapshot.device).truncate()).on_hover_text(&snapshot.device);
             return;
         };
         let before = match (state.paused, cancelled) {
@@ -52,7 +52,11 @@ pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Actio
             _ => "",
         };
         let progress = format!("{before}{}", status.progress());
-        let bar = egui::ProgressBar::new(status.fraction() as f32).desired_width(120.0).text(progress.as_str());
+        // As wide as what is written in it.
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let written = ui.painter().layout_no_wrap(progress.clone(), font, egui::Color32::WHITE).size().x;
+        let width = (written + 2.0 * ui.spacing().item_spacing.x + 8.0).max(120.0);
+        let bar = egui::ProgressBar::new(status.fraction() as f32).desired_width(width).text(progress.as_str());
         let bar = ui.add(bar);
         bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &progress));
         warnings(ui, snapshot);

@@ -30,6 +30,8 @@ struct Shared {
 struct Desk {
     /// `None`: to be forgotten.
     wishes: BTreeMap<SetId, Option<Request>>,
+    /// Realizations to be drawn.
+    looks: BTreeMap<SetId, u64>,
     /// Sets to be left as they are, or to go on with.
     holds: BTreeMap<SetId, bool>,
     results: BTreeMap<SetId, Arc<Snapshot>>,
@@ -91,6 +93,12 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
+    /// Has another realization of a set drawn, even while nothing is measured.
+    pub fn look(&self, id: SetId, realization: u64) {
+        self.shared.desk().looks.insert(id, realization);
+        self.shared.wake.notify_one();
+    }
+
     /// Stops measuring until it is told to go on; a step under way is given up.
     pub fn pause(&self, paused: bool) {
         let mut desk = self.shared.desk();
@@ -141,8 +149,8 @@ fn run(shared: &Shared) {
     loop {
         let desk = shared.desk();
         let nothing = |desk: &mut Desk| {
-            let to_measure = !desk.paused && !engine.is_idle();
-            !desk.stopped && desk.wishes.is_empty() && desk.holds.is_empty() && !to_measure
+            let to_do = !desk.paused && !engine.is_idle() || engine.looking().is_some();
+            !desk.stopped && desk.wishes.is_empty() && desk.holds.is_empty() && desk.looks.is_empty() && !to_do
         };
         let desk = shared.wake.wait_while(desk, nothing).unwrap_or_else(PoisonError::into_inner);
         if desk.stopped {
@@ -156,7 +164,7 @@ fn run(shared: &Shared) {
 /// Takes the wishes, then one step.
 fn turn(shared: &Shared, engine: &mut Engine) {
     let control = Arc::new(Control::default());
-    let of;
+    let (of, looking);
     {
         let mut desk = shared.desk();
         for (id, wish) in std::mem::take(&mut desk.wishes) {
@@ -168,17 +176,26 @@ fn turn(shared: &Shared, engine: &mut Engine) {
         for (id, held) in std::mem::take(&mut desk.holds) {
             engine.hold(id, held);
         }
+        for (id, realization) in std::mem::take(&mut desk.looks) {
+            engine.look(id, realization);
+        }
         if let Some(pace) = desk.pace.take() {
             engine.pace = pace;
         }
-        if desk.paused {
+        looking = engine.looking();
+        if desk.paused && looking.is_none() {
             return;
         }
-        desk.step = engine.next().map(|id| (id, control.clone()));
-        of = engine.next().and_then(|id| Some((id, engine.request(id)?.clone())));
+        let next = looking.or_else(|| engine.next());
+        // What is looked at is not to wait, and not to be given up for a pause.
+        desk.step = next.filter(|_| looking.is_none()).map(|id| (id, control.clone()));
+        of = next.and_then(|id| Some((id, engine.request(id)?.clone())));
     }
     // A panic is a bug of ours: the set it is of stops, the others go on.
-    let step = std::panic::AssertUnwindSafe(|| engine.step(&control));
+    let step = std::panic::AssertUnwindSafe(|| match looking {
+        Some(_) => engine.fetch(&control),
+        None => engine.step(&control),
+    });
     let found = std::panic::catch_unwind(step).unwrap_or_else(|_| of.map(|(id, request)| engine.failed(id, request)));
     let mut desk = shared.desk();
     desk.step = None;

@@ -1,5 +1,7 @@
 //! Figures drawn again from the tables of results, one curve per result: nothing is computed.
 
+#[cfg(feature = "print")]
+mod print;
 mod result;
 
 use std::collections::BTreeSet;
@@ -11,7 +13,7 @@ use super::svg;
 use crate::display::figure::{
     BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, PURPLE, Rgb, SKY, Stroke, VERMILION, band_runs, runs,
 };
-use crate::display::{Interval, Units, about_one, escape, extent, shortened, top_of};
+use crate::display::{Interval, Units, about_one, decades, escape, extent, grow, shortened, top_of};
 use crate::error::{Error, Result, number, numbers};
 use crate::named::named;
 use crate::setting::Setting;
@@ -49,13 +51,13 @@ pub struct Plot {
     )]
     pub range_y: Vec<f64>,
 
-    /// Logarithmic abscissa
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub log_x: bool,
+    /// Logarithmic abscissa, or =false [default: where distances grow by factors]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true"))]
+    pub log_x: Option<bool>,
 
-    /// Logarithmic ordinate
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub log_y: bool,
+    /// Logarithmic ordinate, or =false [default: where g falls over decades]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true"))]
+    pub log_y: Option<bool>,
 
     /// No bands of errors, and no envelope
     #[cfg_attr(feature = "cli", arg(long))]
@@ -77,7 +79,8 @@ pub struct Plot {
     #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT"))]
     pub title: Option<String>,
 
-    /// File format: svg
+    #[cfg_attr(feature = "print", doc = "File format: svg, pdf or png [default: svg, or as the file ends]")]
+    #[cfg_attr(not(feature = "print"), doc = "File format: svg")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORMAT"))]
     pub format: Option<Format>,
 }
@@ -90,8 +93,17 @@ const DEFAULT_SIZE: &str = "120x80mm";
 pub enum Format {
     /// Text that any browser shows.
     Svg,
+    /// For print.
+    #[cfg(feature = "print")]
+    Pdf,
+    /// 300 pixels per inch.
+    #[cfg(feature = "print")]
+    Png,
 }
 
+#[cfg(feature = "print")]
+named!(Format: Svg = "svg", Pdf = "pdf", Png = "png");
+#[cfg(not(feature = "print"))]
 named!(Format: Svg = "svg");
 
 /// What was drawn.
@@ -137,15 +149,13 @@ impl Plot {
             return Err(Error::setting(Setting::Out, out.display(), reason));
         }
         let mut pictures = Vec::new();
-        for each in drawn {
+        for (each, file) in drawn.into_iter().zip(&files) {
             let figure = look.figure(each, &results)?;
-            pictures.push(
-                svg::for_paper(&figure, look.size)
-                    .map_err(|e| Error::file(format!("{}.svg", each.stem), std::io::Error::other(e)))?,
-            );
+            let failed = |e| Error::file(file, std::io::Error::other(e));
+            pictures.push(encoded(svg::for_paper(&figure, look.size).map_err(failed)?, file).map_err(failed)?);
         }
         for (file, picture) in files.iter().zip(&pictures) {
-            write(file, picture.as_bytes(), force)?;
+            write(file, picture, force)?;
         }
         let warnings = results
             .split_first()
@@ -217,6 +227,17 @@ impl Plot {
     }
 }
 
+/// A figure in the format of its file.
+fn encoded(svg: String, file: &Path) -> Result<Vec<u8>, Box<dyn std::error::Error + Send + Sync>> {
+    match file.extension().and_then(|ending| ending.to_str()).and_then(|ending| ending.parse::<Format>().ok()) {
+        #[cfg(feature = "print")]
+        Some(Format::Pdf) => print::pdf(&svg),
+        #[cfg(feature = "print")]
+        Some(Format::Png) => print::png(&svg),
+        Some(Format::Svg) | None => Ok(svg.into_bytes()),
+    }
+}
+
 /// Writes a file whole, and its directory if there is none.
 pub(super) fn write(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
     let failed = |e| Error::file(path, e);
@@ -260,8 +281,8 @@ impl<'a> Look<'a> {
         Ok(Self {
             plot,
             labels: labels(plot)?,
-            x: range(Setting::RangeX, &plot.range_x, plot.log_x)?,
-            y: range(Setting::RangeY, &plot.range_y, plot.log_y)?,
+            x: range(Setting::RangeX, &plot.range_x, plot.log_x == Some(true))?,
+            y: range(Setting::RangeY, &plot.range_y, plot.log_y == Some(true))?,
             colors: plot.colors.iter().map(|color| parsed_color(color)).collect::<Result<_>>()?,
             size: parsed_size(&plot.size)?,
             units: Units::new(unit, &convention.unwrap_or_default().resolve(false)).escaped(),
@@ -276,11 +297,11 @@ impl<'a> Look<'a> {
             curves.extend(found.into_iter().enumerate().map(|(k, curve)| (which, k, curve)));
         }
         let levels = levels(drawn, results)?;
-        let x = self.x_range(drawn, &curves)?;
+        let (x, log_x) = self.x_range(drawn, &curves)?;
         let inside = |at: Interval| (x.start..=x.end).contains(&at.1);
         let shown = || curves.iter().flat_map(|c| &c.2.samples).filter(|s| inside(s.0));
         let values: Vec<(f64, f64)> = shown().filter_map(|s| Some((s.1?, s.2.unwrap_or(0.0)))).collect();
-        let y = self.y_range(drawn, &values, &levels)?;
+        let (y, log_y) = self.y_range(drawn, &values, &levels)?;
 
         let bands = !self.plot.no_bands;
         let mut layers = Vec::new();
@@ -343,49 +364,62 @@ impl<'a> Look<'a> {
             y_label: drawn.y_label(&self.units),
             x,
             y,
-            log_x: self.plot.log_x,
-            log_y: self.plot.log_y,
+            log_x,
+            log_y,
             top: None,
             layers,
         })
     }
 
-    fn x_range(&self, drawn: &Drawn, curves: &[(usize, usize, Curve)]) -> Result<Range<f64>> {
-        let log = self.plot.log_x;
+    /// The abscissae that are drawn, and whether by their logarithms.
+    fn x_range(&self, drawn: &Drawn, curves: &[(usize, usize, Curve)]) -> Result<(Range<f64>, bool)> {
+        let asked = self.plot.log_x;
         let refuse = |reason: String| Err(Error::setting(Setting::LogX, "(given)", reason));
-        if log && !drawn.log_x {
+        if asked == Some(true) && !drawn.log_x {
             return refuse(format!("the abscissa of {} is a direction; leave it out", drawn.stem));
         }
+        let below = self.x.as_ref().is_some_and(|range| range.start <= 0.0);
+        let grown = || curves.iter().all(|curve| grow(curve.2.samples.iter().map(|s| s.0)));
+        let log = asked.unwrap_or_else(|| drawn.log_x && !below && grown());
         let samples = || curves.iter().flat_map(|c| &c.2.samples).filter(|s| s.1.is_some());
         let places: Vec<f64> = samples().flat_map(|s| [s.0.0, s.0.2, s.0.1]).filter(|x| !log || *x > 0.0).collect();
         let Some((lo, hi)) = extent(&places).filter(|(lo, hi)| lo < hi) else {
             return refuse(format!("{} has no abscissa above 0; leave it out", drawn.stem));
         };
         let lo = if log { lo } else { lo.min(0.0) };
-        let Some(range) = &self.x else { return Ok(lo..hi) };
+        let Some(range) = &self.x else {
+            let flat = (drawn.values == Values::Probability).then(|| whole_from(curves)).flatten();
+            return Ok((lo..flat.filter(|flat| *flat > lo).unwrap_or(hi), log));
+        };
         if !samples().any(|s| range.contains(&s.0.1)) {
             let reason = format!("no value of {} lies there; expected a part of {}", drawn.stem, numbers([lo, hi]));
             return Err(Error::setting(Setting::RangeX, numbers([range.start, range.end]), reason));
         }
-        Ok(range.clone())
+        Ok((range.clone(), log))
     }
 
-    fn y_range(&self, drawn: &Drawn, values: &[(f64, f64)], levels: &[Reference]) -> Result<Range<f64>> {
+    /// The ordinates that are drawn, and whether by their logarithms.
+    fn y_range(&self, drawn: &Drawn, values: &[(f64, f64)], levels: &[Reference]) -> Result<(Range<f64>, bool)> {
+        let fallen = decades(values).filter(|_| drawn.values == Values::Positive && self.plot.log_y.is_none());
         if let Some(range) = &self.y {
-            return Ok(range.clone());
+            let log = self.plot.log_y.unwrap_or(range.start > 0.0 && fallen.is_some());
+            return Ok((range.clone(), log));
+        }
+        if let Some(range) = fallen {
+            return Ok((range, true));
         }
         let ends = || values.iter().flat_map(|(y, se)| [y - se, y + se]);
-        if self.plot.log_y {
+        if self.plot.log_y == Some(true) {
             let positive: Vec<f64> = values.iter().map(|v| v.0).filter(|y| *y > 0.0).collect();
             return match extent(&positive) {
-                Some((lo, hi)) if drawn.values != Values::Signed => Ok(0.7 * lo..1.5 * hi),
+                Some((lo, hi)) if drawn.values != Values::Signed => Ok((0.7 * lo..1.5 * hi, true)),
                 _ => {
                     let reason = format!("{} has values of either sign or 0; leave it out", drawn.stem);
                     Err(Error::setting(Setting::LogY, "(given)", reason))
                 }
             };
         }
-        Ok(match drawn.values {
+        let range = match drawn.values {
             Values::Positive => 0.0..top_of(values, &[]),
             Values::Probability => 0.0..1.06,
             Values::Ratio => about_one(&ends().collect::<Vec<_>>()).unwrap_or(0.0..2.0),
@@ -399,8 +433,21 @@ impl<'a> Look<'a> {
                 let pad = (0.06 * (hi - lo)).max(1e-12);
                 lo - pad..hi + pad
             }
-        })
+        };
+        Ok((range, false))
     }
+}
+
+/// Where the last of some distribution functions has come to 1 and stays there, if all do.
+fn whole_from(curves: &[(usize, usize, Curve)]) -> Option<f64> {
+    /// What is nearer to 1 cannot be told from it on paper.
+    const WHOLE: f64 = 0.9999;
+    let end_of = |curve: &Curve| {
+        let rest = curve.samples.iter().rposition(|s| s.1.is_some_and(|y| y < WHOLE)).map_or(0, |last| last + 1);
+        curve.samples[rest..].iter().find(|s| s.1.is_some()).map(|s| s.0.1)
+    };
+    let ends: Option<Vec<f64>> = curves.iter().map(|(_, _, curve)| end_of(curve)).collect();
+    ends.and_then(|ends| extent(&ends)).map(|(_, last)| last)
 }
 
 /// What curves are compared with, where that is a curve too.

@@ -2,7 +2,8 @@
 
 use crate::display::figure::{BLUE, Figure, GREEN, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{
-    Panel, Units, decades, error_note, escape, extent, human, kernel_name, packing_symbol, shortened, size, top_of,
+    Panel, Units, decades, error_note, escape, extent, grow, human, kernel_name, packing_symbol, shortened, size,
+    top_of,
 };
 use crate::estimate::{Analysis, KFunction, Normalization};
 use crate::plan::{Correction, SmoothingKernel};
@@ -16,8 +17,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
     let pcf = analysis.pair_correlation()?;
     let samples = Panel::Pcf.samples(analysis)?;
     let (first, last) = (samples.all.first()?.interval, samples.all.last()?.interval);
-    // Bins that grow by much cover decades: on a linear axis the small ones would share a few pixels.
-    let log_x = first.0 > 0.0 && last.2 > 20.0 * first.0 && last.2 - last.0 > 5.0 * (first.2 - first.0);
+    let log_x = first.0 > 0.0 && grow(samples.all.iter().map(|s| s.interval));
     let values: Vec<(f64, f64)> = pcf.g.iter().copied().zip(pcf.g_se.iter().copied()).collect();
     let kernel = analysis.kernel();
     let (y, log_y) = match decades(&values) {

@@ -245,6 +245,6 @@ fn mean_frequency(analysis: &Analysis, end: f64) -> Option<Layer> {
     }
     let unit = FrequencyUnit::SqrtN;
     let nu = unit.size(&analysis.domain, analysis.shape.mean_points);
-    let symbol = unit.symbol(&analysis.domain);
+    let symbol = unit.symbol(&analysis.domain, analysis.unit);
     (nu > 0.0 && nu < end).then(|| Layer::Hint { x: nu, label: format!("{symbol} = {}", human(nu)) })
 }

@@ -13,11 +13,12 @@ pub(super) fn show(ui: &mut egui::Ui, analysis: Option<&Analysis>, view: &mut Vi
     ui.heading("Show");
     egui::CollapsingHeader::new("Panels").show(ui, |ui| panels(ui, view));
     let (dim, domain) = analysis.map_or((2, None), |a| (a.domain.dim(), Some(a.domain.clone())));
+    let name = analysis.and_then(|analysis| analysis.unit);
     let domain = domain.unwrap_or_else(|| pairwave::points::Domain::unit_torus(dim));
     egui::CollapsingHeader::new("Curves").show(ui, |ui| {
-        let of_length = |unit: LengthUnit| unit.symbol(dim);
+        let of_length = |unit: LengthUnit| unit.symbol(dim, name);
         choice(ui, ("unit of r", "Unit of distances"), &mut view.length_unit, &LengthUnit::ALL, of_length);
-        let of_frequency = |unit: FrequencyUnit| unit.symbol(&domain);
+        let of_frequency = |unit: FrequencyUnit| unit.symbol(&domain, name);
         choice(ui, ("unit of ν", "Unit of frequencies"), &mut view.frequency_unit, &FrequencyUnit::ALL, of_frequency);
         let along = [AxisScale::Linear, AxisScale::Log];
         for (name, scale, scales) in [
@@ -44,7 +45,7 @@ pub(super) fn show(ui: &mut egui::Ui, analysis: Option<&Analysis>, view: &mut Vi
 
 fn panels(ui: &mut egui::Ui, view: &mut View) {
     ui.checkbox(&mut view.numbers, "numbers").on_hover_text(
-        "The scalars of all sets of every set: distances of neighbours, hyperuniformity, figures of merit of spectra",
+        "The scalars of all sets: distances of neighbours, hyperuniformity, figures of merit of spectra",
     );
     for panel in Panel::ALL {
         let mut shown = view.panels.contains(&panel);

@@ -117,6 +117,9 @@ impl Panels {
                 if scene.plain {
                     return;
                 }
+                if panel == Panel::Points {
+                    ui.scope(|ui| points::realizations(ui, scene));
+                }
                 let full = scene.view.maximized == Some(panel);
                 let mut toggled = title.on_hover_text(panel.definition()).double_clicked();
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

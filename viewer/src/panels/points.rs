@@ -1,4 +1,4 @@
-//! The points of the first realization, with what is drawn over them.
+//! The points of a realization, the first or one that was chosen, with what is drawn over them.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,16 @@ use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::control::Control;
 use pairwave::display::{Axis, Frame, Panel, overlays};
-use pairwave::points::Boundary;
+use pairwave::points::{Boundary, Ensemble};
 use pairwave::request::PointsRequest;
 
 use super::chart::{Chart, Shown, Zoomed};
 use super::{Scene, cells, line, planes, said_instead};
+use crate::actions::Action;
 use crate::colors;
 use crate::engine::SetId;
 use crate::hover::Place;
+use crate::set::Set;
 use crate::view::View;
 
 /// More points than this are drawn in part: a screen has no room for them.
@@ -31,6 +33,7 @@ const MOST_INDICES: usize = 400;
 struct Of {
     request: PointsRequest,
     plane: [usize; 2],
+    realization: u64,
     ends: [Option<String>; 2],
 }
 
@@ -64,9 +67,9 @@ fn segments(ends: Vec<[[f64; 2]; 2]>) -> Vec<[DVec2; 2]> {
 }
 
 impl KeptDots {
-    fn new(of: Of, analysis: &Analysis) -> Self {
+    fn new(of: Of, analysis: &Analysis, points: &Ensemble) -> Self {
         let plane = of.plane;
-        let all = overlays::projected(&analysis.first, plane);
+        let all = overlays::projected(points, plane);
         let every = all.len().div_ceil(MOST).max(1);
         let places: Vec<_> = all.iter().copied().step_by(every).collect();
         // There are up to eight copies.
@@ -113,22 +116,23 @@ impl Cloud {
         self.kept.retain(|id, _| scene.sets.iter().any(|set| set.visible && set.id == *id));
         let mut drawn = Vec::new();
         for (index, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.visible) {
-            let (Some(analysis), Some(snapshot)) = (set.analysis(), &set.snapshot) else { continue };
+            let (Some(analysis), Some(points), Some(snapshot)) = (set.analysis(), set.points(), &set.snapshot) else {
+                continue;
+            };
             // More realizations leave the first alone.
             let request = PointsRequest { realizations: None, ..snapshot.request.input.clone() };
             let all = overlays::planes(analysis.domain.dim());
-            let last = analysis.first.points_in(0).saturating_sub(1);
-            let ends = [0, last].map(|k| overlays::point_text(&analysis.first, k));
-            let of = Of { request, plane: all[scene.view.plane.min(all.len() - 1)], ends };
+            let last = points.points_in(0).saturating_sub(1);
+            let ends = [0, last].map(|k| overlays::point_text(points, k));
+            let (plane, realization) = (all[scene.view.plane.min(all.len() - 1)], points.first_index());
+            let of = Of { request, plane, realization, ends };
             if self.kept.get(&set.id).is_none_or(|kept| kept.of != of) {
-                self.kept.insert(set.id, KeptDots::new(of, analysis));
+                self.kept.insert(set.id, KeptDots::new(of, analysis, points));
             }
             if let Some(kept) = self.kept.get_mut(&set.id).filter(|_| scene.view.links) {
                 let (few, plane) = (kept.n <= MOST_LINKS, kept.of.plane);
                 kept.links.get_or_insert_with(|| match few {
-                    true => segments(
-                        overlays::neighbor_links(&analysis.first, plane, &Control::default()).unwrap_or_default(),
-                    ),
+                    true => segments(overlays::neighbor_links(points, plane, &Control::default()).unwrap_or_default()),
                     false => Vec::new(),
                 });
             }
@@ -151,9 +155,13 @@ impl Cloud {
             Frame { x: [low.x, high.x], y: if square { [low.y, high.y] } else { [-0.5, 0.5] } }
         });
         let Some(frame) = frames.reduce(Frame::union) else { return };
-        let names: Vec<String> = sets.iter().map(|&s| scene.sets[s].described()).collect();
-        let described =
-            format!("points of {}, first realization, along {} and {}", names.join(", "), axis.label(), y_axis.label());
+        let of = |set: &Set| {
+            let which = set.points().map_or(0, Ensemble::first_index);
+            if which == 0 { set.described() } else { format!("{}, realization {which} from 0", set.described()) }
+        };
+        let names: Vec<String> = sets.iter().map(|&s| of(&scene.sets[s])).collect();
+        let first = if sets.iter().all(|&s| scene.sets[s].realization == 0) { ", first realization" } else { "" };
+        let described = format!("points of {}{first}, along {} and {}", names.join(", "), axis.label(), y_axis.label());
         let chart = Chart {
             panel: Panel::Points,
             index,
@@ -202,24 +210,46 @@ impl Cloud {
     /// A line with the names of the sets, or the point under the pointer.
     fn readouts(&self, ui: &mut egui::Ui, scene: &Scene<'_>, drawn: &[usize]) {
         let texts = drawn.iter().map(|&s| &scene.sets[s]).filter_map(|set| {
-            let (kept, analysis) = (self.kept.get(&set.id)?, set.analysis()?);
+            let (kept, points) = (self.kept.get(&set.id)?, set.points()?);
             let text = match scene.hover.place() {
-                Some(Place::Point(id, k)) if id == set.id => overlays::point_text(&analysis.first, k)?,
+                Some(Place::Point(id, k)) if id == set.id => overlays::point_text(points, k)?,
                 _ if kept.every > 1 => format!("{}, one in {} of {} points", set.name(), kept.every, kept.n),
                 _ => format!("{}, {} points", set.name(), kept.n),
             };
+            let which = (kept.of.realization > 0).then(|| format!("realization {}", kept.of.realization));
             let hidden = [
                 (scene.view.links && kept.n > MOST_LINKS)
                     .then(|| format!("no links for more than {MOST_LINKS} points")),
                 (scene.view.tiling && kept.tiled > 1).then(|| format!("copies of one in {}", kept.tiled * kept.every)),
                 (scene.view.strata && kept.strata.is_empty()).then(|| "no strata: n is no power".to_string()),
             ];
-            let text = std::iter::once(text).chain(hidden.into_iter().flatten()).collect::<Vec<_>>().join("; ");
+            let text =
+                std::iter::once(text).chain(which).chain(hidden.into_iter().flatten()).collect::<Vec<_>>().join("; ");
             Some((set.color, text.clone(), text))
         });
         let texts: Vec<_> = texts.collect();
         let names = drawn.iter().map(|&s| scene.sets[s].name() + ", 10000 points").collect();
         line(ui, texts, names);
+    }
+}
+
+/// Which realization of the selected set is drawn, where it has several.
+pub(super) fn realizations(ui: &mut egui::Ui, scene: &mut Scene<'_>) {
+    let selected = scene.sets.get(scene.selected).filter(|set| set.visible && set.last_realization() > 0);
+    let Some(set) = selected else { return };
+    let last = set.last_realization();
+    let help = format!("Which realization of {} is drawn, 0 to {last}: drag, type or use the arrow keys", set.name());
+    // Beside it there are up to three buttons.
+    let name = if ui.available_width() > 215.0 { "realization" } else { "#" };
+    let label = ui.label(egui::RichText::new(name).small().weak()).on_hover_text(&help).id;
+    ui.spacing_mut().interact_size.x = 28.0;
+    let mut index = set.realization.min(last);
+    // An arrow key is worth as much as a drag of a point.
+    let typed = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
+    let speed = if typed { 1.0 } else { (last as f64 / 400.0).clamp(0.02, 1e6) };
+    let drag = egui::DragValue::new(&mut index).range(0..=last).speed(speed);
+    if ui.add(drag).labelled_by(label).on_hover_text(&help).changed() && index != set.realization {
+        scene.actions.push(Action::Realization(set.id, index));
     }
 }
 

@@ -351,3 +351,69 @@ fn the_line_at_the_bottom_names_what_computed() {
     settle(&mut window);
     assert!(device(&window).starts_with("cpu"), "{}", device(&window));
 }
+
+/// The first coordinate of the first point that is drawn, and its realization.
+fn drawn(window: &Window) -> (u64, Vec<f64>) {
+    let snapshot = window.state().snapshots().next().unwrap().unwrap();
+    let points = snapshot.points.as_deref().unwrap_or(&snapshot.analysis.as_ref().unwrap().first);
+    (points.first_index(), points.position(0, 0))
+}
+
+fn wait_for(window: &mut Window, realization: u64) {
+    for _ in 0..2000 {
+        window.run_steps(2);
+        if drawn(window).0 == realization {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("realization {} is drawn, not {realization}", drawn(window).0);
+}
+
+#[test]
+fn the_realization_that_is_drawn_is_chosen() {
+    let line = "--sampler random -n 16 -k 5";
+    let mut window = window(line);
+    let source = pairwave::source::Points::open(&request(line).input).unwrap();
+    let all = source.batch(0..5, &pairwave::control::Control::default()).unwrap();
+    assert_eq!(drawn(&window), (0, all.position(0, 0)));
+    // Beyond the last there is none.
+    for (asked, there) in [(3.0, 3), (99.0, 4), (2.0, 2)] {
+        window.get_by_role_and_label(Role::SpinButton, "realization").set_value_accesskit(asked);
+        wait_for(&mut window, there);
+        assert_eq!(drawn(&window).1, all.position(there as usize, 0), "{asked}");
+    }
+    window.run_steps(2);
+    window.get_by_label_contains(", 16 points; realization 2");
+    // By the keyboard, and while nothing is measured.
+    window.get_by_label("Pause (Space)").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::SpinButton, "realization").focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::ArrowUp);
+    wait_for(&mut window, 3);
+    window.get_by_label("Go on (Space)").click();
+    window.run_steps(3);
+    // Nothing was measured anew, and estimates are of all.
+    assert_eq!(window.state().snapshots().next().unwrap().unwrap().analysis.as_ref().unwrap().shape.realizations, 5);
+    // Fewer realizations than that: the last of them. Other points: the same number of theirs.
+    window.get_by_role_and_label(Role::SpinButton, "K").set_value_accesskit(3.0);
+    window.run_steps(2);
+    wait_for(&mut window, 2);
+    window.get_by_role_and_label(Role::SpinButton, "seed").set_value_accesskit(7.0);
+    settle(&mut window);
+    wait_for(&mut window, 2);
+    let other = pairwave::source::Points::open(&request("--sampler random -n 16 -k 3 --seed 7").input).unwrap();
+    let other = other.batch(2..3, &pairwave::control::Control::default()).unwrap();
+    assert_eq!(drawn(&window).1, other.position(0, 0));
+}
+
+#[test]
+fn units_have_the_name_they_were_given() {
+    let mut window = window("--sampler random -n 16 -k 2 --unit mm");
+    click(&mut window, "Curves");
+    for (combo, value) in [("unit of r", "mm"), ("unit of ν", "cycles per mm")] {
+        let chosen = window.get_by_role_and_label(Role::ComboBox, combo).accesskit_node().value();
+        assert_eq!(chosen.as_deref(), Some(value), "{combo}");
+    }
+}

@@ -104,7 +104,7 @@ fn disabled(window: &mut Window, panel: Panel) -> Vec<&'static str> {
     window.get_by_label(&format!("Take away {}", panel.name())).click();
     window.step();
     window.run_steps(2);
-    let entries = ["Figure (SVG)", "Picture (PNG)", "Numbers (CSV)", "Numbers (NPY)"];
+    let entries = ["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)", "Numbers (NPY)"];
     let off = |entry: &&str| window.get_by_label(entry).accesskit_node().is_disabled();
     let found = entries.into_iter().filter(off).collect();
     press(window, Modifiers::NONE, Key::Escape);
@@ -134,7 +134,7 @@ fn files_are_those_of_the_copied_command() {
     settle(&mut window);
     for panel in Panel::ALL {
         let off = disabled(&mut window, panel);
-        for entry in ["Figure (SVG)", "Picture (PNG)", "Numbers (CSV)", "Numbers (NPY)"] {
+        for entry in ["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)", "Numbers (NPY)"] {
             if !off.contains(&entry) && (panel, entry) != (Panel::Anisotropy, "Numbers (CSV)") {
                 take(&mut window, panel, entry);
             }
@@ -202,9 +202,9 @@ fn what_there_is_none_of_is_disabled_and_says_why() {
         (Panel::Points, &["Picture (PNG)", "Numbers (NPY)"]),
         (Panel::Pcf, &["Picture (PNG)", "Numbers (NPY)"]),
         (Panel::Radial, &["Picture (PNG)", "Numbers (NPY)"]),
-        (Panel::Anisotropy, &["Figure (SVG)", "Picture (PNG)", "Numbers (NPY)"]),
-        (Panel::Spectrum, &["Figure (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
-        (Panel::Vector, &["Figure (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
+        (Panel::Anisotropy, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (NPY)"]),
+        (Panel::Spectrum, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
+        (Panel::Vector, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
     ];
     // Those that nothing can be drawn in are left out, unless one is asked for.
     assert!(window.query_by_label("Take away P(m)").is_none());
@@ -835,7 +835,7 @@ fn space_presses_what_has_the_focus() {
     window.run_steps(2);
     press(&mut window, Modifiers::NONE, Key::Space);
     assert!(!window.state().is_paused());
-    window.get_by_label("Figure (SVG)");
+    window.get_by_label("Figure of the report (SVG)");
 }
 
 #[test]
@@ -880,4 +880,62 @@ fn the_menu_of_sessions_saves_and_opens() {
     assert_eq!(saved, window.state().session());
     Session::parse(&saved).unwrap();
     assert_eq!(log.borrow().chosen, [Choice::Session]);
+}
+
+/// The texts of a figure, those of each line of text together.
+fn texts(bytes: &[u8]) -> Vec<String> {
+    let document = roxmltree::Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts.filter_map(|node| node.text().map(str::to_string)).collect()
+}
+
+#[test]
+fn a_figure_is_what_is_shown() {
+    let (mut viewer, log) = viewer(request(&format!("{SMALL} --unit mm")));
+    viewer.add(request("--sampler random -n 30 -k 3 --bins 32 --max-frequency 8 --lag-bins 16 --unit mm"));
+    viewer.set_view(View { theme: Theme::Light, r_scale: AxisScale::Log, ..View::default() });
+    let mut window = open(viewer, 1.0);
+    settle(&mut window);
+    for panel in Panel::ALL {
+        take(&mut window, panel, "Figure (SVG)");
+    }
+    let saved = std::mem::take(&mut log.borrow_mut().saved);
+    assert!(saved.keys().all(|name| name.starts_with("random_") && name.ends_with("_shown.svg")), "{:?}", saved.keys());
+    if let Some(dir) = std::env::var_os("PAIRWAVE_KEEP_FIGURES") {
+        saved.iter().for_each(|(name, bytes)| std::fs::write(std::path::Path::new(&dir).join(name), bytes).unwrap());
+    }
+    let curves = texts(&saved["random_pcf_shown.svg"]);
+    // Both sets, the axis in its unit, and its decades.
+    for expected in ["jittered", "random", "g(r)"] {
+        assert!(curves.iter().any(|text| text == expected), "{expected}: {curves:?}");
+    }
+    assert!(curves.iter().any(|text| text.contains("(mm)")) && curves.iter().any(|text| text == "0.1"), "{curves:?}");
+    let bytes = &saved["random_pcf_shown.svg"];
+    for color in ["#0072b2", "#d55e00"] {
+        assert!(String::from_utf8_lossy(bytes).contains(&format!("stroke=\"{color}\"")), "{color}");
+    }
+    // Curves are lines, a spectrum is a picture.
+    assert!(!String::from_utf8_lossy(bytes).contains("<image "));
+    let picture = String::from_utf8_lossy(&saved["random_spectrum_shown.svg"]);
+    assert_eq!(picture.matches("<image ").count(), 1);
+    let dots = String::from_utf8_lossy(&saved["random_points_shown.svg"]).matches("<circle ").count();
+    assert_eq!(dots, 64 + 30);
+
+    // Other scales and a zoom are another figure.
+    let linear = View { r_scale: AxisScale::Linear, ..window.state().view().clone() };
+    window.state_mut().set_view(linear);
+    window.run_steps(3);
+    take(&mut window, Panel::Pcf, "Figure (SVG)");
+    let whole = log.borrow_mut().saved.remove("random_pcf_shown.svg").unwrap();
+    assert!(texts(&whole).iter().any(|text| text == "0") && whole != *bytes);
+    let place = window.get_by_label_contains("g(r) of jittered").rect().center();
+    window.hover_at(place);
+    window.run_steps(2);
+    let (unit, source) = (egui::MouseWheelUnit::Line, egui::MouseWheelSource::Wheel);
+    let (delta, phase, modifiers) = (egui::vec2(0.0, 5.0), egui::TouchPhase::Move, Modifiers::NONE);
+    window.event(egui::Event::MouseWheel { unit, delta, phase, source, modifiers });
+    window.run_steps(60);
+    take(&mut window, Panel::Pcf, "Figure (SVG)");
+    let zoomed = log.borrow_mut().saved.remove("random_pcf_shown.svg").unwrap();
+    assert!(!texts(&zoomed).iter().any(|text| text == "0"), "{:?}", texts(&zoomed));
 }
