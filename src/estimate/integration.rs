@@ -68,14 +68,18 @@ pub struct IntegrationError {
     pub shifted: Measured,
     /// Predicted from pairs; `None` where these are too many.
     pub spatial: Option<Measured>,
-    /// Predicted from the measured frequencies alone.
+    /// Predicted from the frequencies of the grid alone.
     pub spectral: Measured,
-    /// What closes that: P = 1 beyond.
+    /// What closes that: frequencies beyond it, as measured along axes, and with P = 1 elsewhere.
     pub tail: f64,
-    /// How far it may be off, by how far P is from 1 where it ends.
+    /// The part of it that is measured along axes.
+    pub tail_axes: f64,
+    /// How far the rest may be off, by how far P is from 1 where it ends.
     pub tail_bound: f64,
-    /// The part of `v0` that the tail stands for.
+    /// The part of `v0` that the rest stands for.
     pub tail_share: f64,
+    /// All of the prediction: frequencies, what closes them, and the number of points.
+    pub closed: Measured,
     /// Of the number of points, where it is random: `I^2` times the mean of `(n / lambda - 1)^2`.
     pub count_term: f64,
     /// What makes the error as it is another than that of shifts.
@@ -186,9 +190,13 @@ fn one(
     let inside: f64 = table.grid.iter().sum::<f64>() + table.axes.iter().flatten().sum::<f64>();
     let rest = v0 - inside;
     let rest = if rest.abs() <= COMPLETE * v0 { 0.0 } else { rest.max(0.0) };
-    let count = of(&|_, n, c| (exact * (c * n - 1.0)).powi(2));
-    let spectral = of(&|s, _, c| c * c * (s.grid + s.axes));
-    let tails = of(&|_, n, c| c * c * n * rest);
+    // 1/n times n is 1 but for rounding.
+    let own = plan.estimator != Estimator::Lambda;
+    let count = of(&|_, n, c| if own { 0.0 } else { (exact * (c * n - 1.0)).powi(2) });
+    let spectral = of(&|s, _, c| c * c * s.grid);
+    let axes = of(&|s, _, c| c * c * s.axes);
+    let rests = of(&|_, n, c| c * c * n * rest);
+    let tails: Vec<f64> = axes.iter().zip(&rests).map(|(a, b)| a + b).collect();
     let spatial = of(&|s, n, c| c * c * (n * v0 + 2.0 * s.pairs).max(0.0));
     let by_pairs = plan.pairs != PairSum::None;
     let add = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
@@ -200,19 +208,15 @@ fn one(
     let phases: Vec<f64> = squared.iter().zip(&stationarised).map(|(square, v)| square - v).collect();
     // S(t) c - I = c (S(t) - n I) + I (c n - 1).
     let shifted = of(&|s, n, c| {
-        let level = exact * (c * n - 1.0);
+        let level = if own { 0.0 } else { exact * (c * n - 1.0) };
         (c * c * s.shifted[1] + 2.0 * c * level * s.shifted[0] + level * level).max(0.0)
     });
     let low = of(&|s, _, c| c * c * (s.low[0] * s.low[0] - s.low[1]));
-    let tail = mean(&tails)?;
     let (rings, modes) = shares(totals, table);
-    let mut predicted = measured(&spectral)?;
+    let (mut predicted, mut all, mut in_space) = (measured(&spectral)?, measured(&closed)?, measured(&in_space)?);
     if counted.len() == 1 {
-        predicted.se = Some(single_error(totals, table, weights[0]));
-    }
-    let mut in_space = measured(&in_space)?;
-    if counted.len() == 1 {
-        in_space.se = predicted.se;
+        [predicted.se, all.se] = single_errors(totals, table, weights[0]).map(Some);
+        in_space.se = all.se;
     }
     let observed = observed(&estimates, integrand.square_integral());
     let mean_estimate = measured(&estimates)?;
@@ -230,9 +234,11 @@ fn one(
         shifted: measured(&shifted)?,
         spatial: by_pairs.then_some(in_space),
         spectral: predicted,
-        tail,
-        tail_bound: tail * highest_excess(totals),
+        tail: mean(&tails)?,
+        tail_axes: mean(&axes)?,
+        tail_bound: mean(&rests)? * highest_excess(totals),
         tail_share: if v0 > 0.0 { rest / v0 } else { 0.0 },
+        closed: all,
         count_term: mean(&count)?,
         phase: measured(&phases)?,
         phase_low: mean(&low)?,
@@ -268,8 +274,9 @@ fn paired(shifted: &[f64], predicted: &[f64], unit: f64) -> Option<f64> {
     z.is_finite().then_some(z)
 }
 
-/// The standard error of the spectral form of one realization, `c^2 sqrt(sum |f_m|^4 |s_m|^4)` over all modes: theory, of exponential power.
-fn single_error(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, c: f64) -> f64 {
+/// The standard error of the spectral form of one realization, `c^2 sqrt(sum |f_m|^4 |s_m|^4)` over all modes: theory, of exponential
+/// power. Of the grid, and with frequencies along axes.
+fn single_errors(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, c: f64) -> [f64; 2] {
     // Where a stored mode stands for its mirror image too, (2 |f|^2)^2 q^2 / 2 is the sum over both.
     let square = |f: &f64, q: &f64, times: f64| (f * q).powi(2) / times;
     let stored = totals.plan.grid.waves.grid();
@@ -279,7 +286,7 @@ fn single_error(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, c: f64
         table.iter().zip(power).map(|(f, q)| square(f, q, 2.0)).sum()
     };
     let axes: f64 = table.axes.iter().zip(totals.axes).map(along).sum();
-    c * c * (grid + axes).sqrt()
+    [grid, grid + axes].map(|sum| c * c * sum.sqrt())
 }
 
 /// How far P is from 1 where the grid ends: the largest, over directions, of means over its outermost tenth, and along axes.
@@ -327,7 +334,8 @@ fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> (Vec<Ring
         let first = m.iter().find(|m| **m != 0).is_some_and(|m| *m > 0);
         let both = if twice { 2.0 } else { 1.0 };
         let (coefficient, variance) = (both * coefficient, both * variance);
-        if first && modes.len() < TOP || first && modes.last().is_some_and(|last| last.variance < variance) {
+        let among = modes.len() < TOP || modes.last().is_some_and(|last| last.variance < variance);
+        if first && among {
             let at = modes.partition_point(|other| other.variance >= variance);
             modes.insert(at, ModeShare { m, coefficient, p: q / totals.points, variance });
             modes.truncate(TOP);

@@ -41,7 +41,7 @@ pub enum PairSum {
 }
 
 /// Values of a that are computed one by one, at most: some seconds.
-const EXACT_BUDGET: f64 = 2e9;
+const EXACT_BUDGET: f64 = 5e8;
 
 /// Pairs that are deposited, at most: minutes.
 const DEPOSIT_BUDGET: f64 = 1e12;
@@ -160,7 +160,7 @@ impl IntegrationPlan {
         let pairs_in_all = shape.realizations as f64 * shape.mean_points.powi(2) / 2.0;
         let pairs = match pairs_in_all {
             pairs if pairs * integrands.len() as f64 <= EXACT_BUDGET => PairSum::Exact,
-            pairs if pairs <= DEPOSIT_BUDGET => PairSum::Deposit([1 << 14, 256, 64][dim - 1]),
+            pairs if pairs <= DEPOSIT_BUDGET => PairSum::Deposit(nodes_per_side(dim)),
             _ => PairSum::None,
         };
         let shifts = lattice(settings.shifts, dim)?;
@@ -180,6 +180,21 @@ impl IntegrationPlan {
             batch,
             tables: tables.into(),
         })
+    }
+
+    /// The same where pairs are deposited, however few they are.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_deposit(self) -> Self {
+        let cells = nodes_per_side(self.domain.dim());
+        let table = |(integrand, table): (&Integrand, &IntegrandTable)| IntegrandTable {
+            grid: table.grid.clone(),
+            axes: table.axes.clone(),
+            low: table.low.clone(),
+            nodes: nodes(integrand, cells),
+        };
+        let tables = self.integrands.iter().zip(self.tables.iter()).map(table).collect();
+        Self { pairs: PairSum::Deposit(cells), tables, ..self }
     }
 
     /// The largest frequencies along each axis.
@@ -225,6 +240,11 @@ impl PartialEq for IntegrationPlan {
                 )
             && self.shifts == other.shifts
     }
+}
+
+/// Nodes of lags per side: as many as the nearest memory of a processor holds.
+fn nodes_per_side(dim: usize) -> usize {
+    [1 << 14, 256, 64][dim - 1]
 }
 
 /// So many points of a rank-1 lattice, coordinate by coordinate.

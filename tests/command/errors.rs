@@ -694,6 +694,31 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--domain window: samplers fill a torus; a window needs files",
         ),
         ("analyze --sampler random -n 64 --box 1", 2, "--box 1: expected 2 sides for points with 2 coordinates"),
+        (
+            "integrate --sampler random -n 9",
+            2,
+            "--integrand (none): expected an integrand such as disk or box:x0=0.2,x1=0.7; `pairwave integrands` lists them",
+        ),
+        ("integrate --sampler random -n 9 --integrand dsk", 2, "--integrand dsk:"),
+        (
+            "integrate --sampler random -n 9 --integrand disk --integrand disk:r=0.25",
+            2,
+            "--integrand disk:r=0.25,x=0.5,y=0.5: is given twice",
+        ),
+        ("integrate --sampler random -n 9 --integrand disk --shifts 0", 2, "--shifts 0: expected 1 to 65536"),
+        (
+            "integrate --sampler thomas -n 9 -k 4 --integrand disk --estimator mean",
+            2,
+            "--estimator mean: needs as many points in every realization; expected ratio or lambda",
+        ),
+        (
+            "integrate ok.csv --window 0,1,0,1 --integrand disk",
+            2,
+            "--integrand disk: predicts for shifts of a torus; --box gives the sides of one, and a window has none",
+        ),
+        ("integrate --sampler random -n 9 --dim 1 --integrand disk", 2, "--integrand disk:"),
+        ("analyze --sampler random -n 9 --shifts 3", 2, "the following required arguments were not provided:"),
+        ("integrate --sampler random -n 9 --integrand formula:1/(x-0.5)", 2, "--integrand formula:1/(x-0.5):"),
         ("analyze", 2, "FILES (none): expected point files, or --sampler NAME -n N"),
     ];
     for (arguments, code, message) in table {

@@ -14,6 +14,7 @@ fn a_request_is_a_command_line() {
         "--kernel gaussian --bandwidth 0.001 --divisor d --exact-kernel --correction border --envelope 19 x",
         "--normalization intensity --max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 x",
         "--frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",
+        "--integrand disk --integrand box:x0=0.1 --estimator ratio --shifts 4 x",
         "--window-polygon plot.wkt --stats k-function x",
         "--columns x,y --realization-column frame --array pos --envelope-from s.npy --envelope-from t x.npz",
         "--r-max=-1 --bandwidth lscv --kernel box --device 0 --accuracy high --threads 2 --memory 4GiB -- x -y",
@@ -36,7 +37,7 @@ fn a_request_is_a_command_line() {
         let short = flag.get_short().map(|short| format!("-{short}"));
         assert!(typed.iter().any(|word| *word == long || Some(word) == short.as_ref()), "{long} is in no line");
         for value in flag.get_possible_values() {
-            let mut line = words("--sampler random -n 2 --kernel box");
+            let mut line = words("--sampler random -n 2 --kernel box --integrand disk");
             let value = value.get_name();
             let defaults = flag.get_default_values();
             match value {

@@ -9,6 +9,7 @@ mod comparison_can_fail;
 mod coordinates;
 mod discrepancy;
 mod integrands;
+mod integration;
 mod laws;
 mod polygon;
 mod samplers;

@@ -197,16 +197,15 @@ fn deposit<const D: usize>(axes: [&[u64]; D], cells: usize, control: &Control) -
     let mut grid = vec![0.0; cells.pow(D as u32)];
     let bits = cells.trailing_zeros();
     let scale = 2f64.powi(-64);
-    let n = axes[0].len();
-    for i in 0..n {
+    let points: Vec<[u64; D]> = (0..axes[0].len()).map(|j| std::array::from_fn(|a| axes[a][j])).collect();
+    for (i, origin) in points.iter().enumerate() {
         if i.is_multiple_of(64) {
             control.check()?;
         }
-        let origin: [u64; D] = std::array::from_fn(|a| axes[a][i]);
-        for j in i + 1..n {
+        for point in &points[i + 1..] {
             let (mut places, mut shares) = ([[0usize; 2]; D], [[0.0; 2]; D]);
             for a in 0..D {
-                let lag = axes[a][j].wrapping_sub(origin[a]);
+                let lag = point[a].wrapping_sub(origin[a]);
                 let cell = (lag >> (64 - bits)) as usize;
                 let part = (lag << bits) as f64 * scale;
                 let stride = cells.pow(a as u32);

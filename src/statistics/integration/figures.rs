@@ -22,9 +22,7 @@ type Value = fn(&IntegrationError) -> Option<Measured>;
 
 /// What is drawn of each integrand, from the top down.
 const ROWS: [(&str, Rgb, Value); 4] = [
-    ("predicted, spectral with its tail", BLUE, |e| {
-        Some(Measured { value: e.spectral.value + e.tail + e.count_term, se: e.spectral.se })
-    }),
+    ("predicted, spectral with its tail", BLUE, |e| Some(e.closed)),
     ("predicted, spatial", GREEN, |e| e.spatial),
     ("observed, shifted", VERMILION, |e| Some(e.shifted)),
     ("observed, as it is (variance)", INK, |e| e.observed),
@@ -121,7 +119,7 @@ pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
     let mut layers = Vec::new();
     let mut end = 1f64;
     for (one, color) in found.each.iter().zip(COLORS.iter().cycle()) {
-        let whole = one.spectral.value + one.tail;
+        let whole = one.closed.value - one.count_term;
         if whole <= 0.0 {
             continue;
         }

@@ -33,6 +33,7 @@ fn row(e: &IntegrationError) -> Value {
         "var_spatial": e.spatial.map(number),
         "var_spectral": number(e.spectral),
         "tail": e.tail,
+        "tail_axes": e.tail_axes,
         "tail_bound": e.tail_bound,
         "count_term": e.count_term,
         "phase": number(e.phase),
@@ -45,7 +46,7 @@ fn row(e: &IntegrationError) -> Value {
 fn predicted(e: &IntegrationError, by_pairs: bool) -> Measured {
     match e.spatial.filter(|_| by_pairs) {
         Some(spatial) => spatial,
-        None => Measured { value: e.spectral.value + e.tail + e.count_term, se: e.spectral.se },
+        None => e.closed,
     }
 }
 

@@ -115,8 +115,8 @@ impl Group for Integration {
             warnings.push("integration takes every point once, whatever its weight".into());
         }
         for one in &errors.each {
-            let (spec, whole) = (one.integrand.spec(), one.spectral.value + one.tail);
-            if one.tail_bound > 0.02 * whole && one.tail_share > 1e-12 {
+            let (spec, whole) = (one.integrand.spec(), one.closed.value);
+            if one.tail_bound > 0.02 * whole && one.tail_share > 0.0 && one.spatial.is_none() {
                 warnings.push(format!(
                     "{spec}: what lies beyond the frequencies measured is known to {:.1} % of the variance only (P = 1 is taken there); larger `max_frequency`, or the spatial form",
                     100.0 * one.tail_bound / whole

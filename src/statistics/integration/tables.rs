@@ -52,7 +52,8 @@ pub(super) fn variance(a: &Analysis) -> Option<Table> {
             .optional("var_observed_lo", each.iter().map(|e| Some(e.observed_interval?[0])))
             .optional("var_observed_hi", each.iter().map(|e| Some(e.observed_interval?[1])))
             .floats("var_random", each.iter().map(|e| e.v0 / a.shape.mean_points))
-            .floats("phase_low", each.iter().map(|e| e.phase_low)),
+            .floats("phase_low", each.iter().map(|e| e.phase_low))
+            .floats("tail_axes", each.iter().map(|e| e.tail_axes)),
     )
 }
 
@@ -68,7 +69,7 @@ pub(super) fn attribution(a: &Analysis) -> Option<Table> {
             rows.push((spec.into(), "ring".into(), Some(ring.m), ring.coefficients, ring.variance, sum));
         }
         for (part, coefficients, variance) in
-            [("tail", one.tail_share * one.v0, one.tail), ("count", 0.0, one.count_term)]
+            [("tail", one.tail_share * one.v0, one.tail - one.tail_axes), ("count", 0.0, one.count_term)]
         {
             sum += variance;
             rows.push((spec.into(), part.into(), None, coefficients, variance, sum));
