@@ -38,7 +38,7 @@ fn main() -> ExitCode {
     let matches = command.get_matches_mut();
     // clap prints usage errors itself, with exit code 2.
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
-    match arguments.command.run() {
+    match arguments.command.run(command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             command::tell(&format!("error: {}", error.told(pairwave::Setting::flag)));

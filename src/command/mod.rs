@@ -1,6 +1,7 @@
 //! The subcommands: each parses, calls the library, and prints. No arithmetic here.
 
 mod analyze;
+mod completions;
 mod devices;
 mod integrands;
 mod integrate;
@@ -32,13 +33,17 @@ pub(crate) enum Command {
     Integrands(integrands::Integrands),
     /// List the compute devices and what the self-check finds
     Devices,
+    /// Print what completes commands, flags and names in a shell
+    Completions(completions::Completions),
     /// Hold what a device measures against what is known in closed form
     Selftest(selftest::Selftest),
 }
 
 impl Command {
-    pub(crate) fn run(self) -> Result<()> {
+    /// Carries it out; `command` is the command line itself.
+    pub(crate) fn run(self, command: clap::Command) -> Result<()> {
         match self {
+            Self::Completions(completions) => completions.run(command),
             Self::Analyze(analyze) => analyze.run(),
             Self::Integrate(integrate) => integrate.run(),
             Self::Plot(plot) => plot.run(),

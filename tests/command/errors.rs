@@ -716,7 +716,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--integrand disk: predicts for shifts of a torus; --box gives the sides of one, and a window has none",
         ),
-        ("integrate --sampler random -n 9 --dim 1 --integrand disk", 2, "--integrand disk:"),
+        ("integrate --sampler random -n 9 --integrand interval", 2, "--integrand interval:"),
         ("analyze --sampler random -n 9 --shifts 3", 2, "the following required arguments were not provided:"),
         ("integrate --sampler random -n 9 --integrand formula:1/(x-0.5)", 2, "--integrand formula:1/(x-0.5):"),
         ("analyze", 2, "FILES (none): expected point files, or --sampler NAME -n N"),

@@ -170,3 +170,15 @@ fn devices_measure_what_closed_forms_say() {
     let checks = json["checks"].as_array().unwrap();
     assert!(checks.len() > 30 && checks.iter().all(|check| check["holds"] == true), "{json:#}");
 }
+
+#[test]
+fn shells_complete_names() {
+    let scratch = Scratch::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = scratch.ok(&format!("completions {shell}"));
+        for word in ["--max-frequency", "poisson-disk", "half-plane", "integrate"] {
+            assert!(script.contains(word), "{shell} does not know {word}");
+        }
+    }
+    scratch.fails("completions tcsh", 2, "tcsh");
+}
