@@ -1,6 +1,7 @@
 //! 4. Mergeable raw sums. No divisions here.
 
 mod computed_by;
+mod count_sums;
 mod discrepancy_sums;
 mod encode;
 mod kernel_sums;
@@ -14,6 +15,7 @@ mod wave_covariance;
 mod wave_power;
 
 pub use computed_by::{Backend, ComputedBy};
+pub use count_sums::{CountSums, Places, RealizationCounts};
 pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};

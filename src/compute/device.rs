@@ -6,12 +6,12 @@ use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
 use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
 use crate::accumulate::{
-    ComputedBy, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    ComputedBy, CountSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::{Pool, check_threads};
@@ -180,6 +180,11 @@ impl<'a> Session<'a> {
     ) -> Result<DiscrepancySums> {
         let control = self.control;
         self.run(Work::Discrepancy(plan), async |c: &dyn Compute| c.discrepancies(plan, ensemble, control).await).await
+    }
+
+    pub(crate) async fn counts(&mut self, plan: &CountPlan, ensemble: &Ensemble) -> Result<CountSums> {
+        let control = self.control;
+        self.run(Work::Counts(plan), async |c: &dyn Compute| c.counts(plan, ensemble, control).await).await
     }
 
     /// What the user should know about who computed.

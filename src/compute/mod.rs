@@ -20,12 +20,13 @@ pub(crate) use device::Session;
 use std::pin::Pin;
 
 use crate::accumulate::{
-    ComputedBy, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    ComputedBy, CountSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts, WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts,
+    WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::Pool;
@@ -63,6 +64,8 @@ pub enum Work<'a> {
     Neighbors(&'a NeighborPlan),
     /// `Compute::discrepancies`.
     Discrepancy(&'a DiscrepancyPlan),
+    /// `Compute::counts`.
+    Counts(&'a CountPlan),
 }
 
 /// Why the CPU path does something in place of a backend.
@@ -88,7 +91,9 @@ pub trait Compute: Send + Sync {
     fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
         match work {
             Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
-            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) | Work::Discrepancy(_) => Err(NotHere::Never),
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) | Work::Discrepancy(_) | Work::Counts(_) => {
+                Err(NotHere::Never)
+            }
         }
     }
 
@@ -169,6 +174,16 @@ pub trait Compute: Send + Sync {
         _control: &'a Control,
     ) -> Pending<'a, DiscrepancySums> {
         at_once(|| Err(never(self.computed_by(), "discrepancies")))
+    }
+
+    /// Numbers of points in boxes and balls of every realization.
+    fn counts<'a>(
+        &'a self,
+        _plan: &'a CountPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, CountSums> {
+        at_once(|| Err(never(self.computed_by(), "counts")))
     }
 }
 

@@ -116,7 +116,7 @@ impl Request {
 #[cfg(feature = "cli")]
 mod tests {
     use super::*;
-    use Statistic::{Covariance, Discrepancy, KFunction, Neighbors, Pcf, PcfVector};
+    use Statistic::{Counts, Covariance, Discrepancy, KFunction, Neighbors, Pcf, PcfVector};
 
     /// Every setting of the table in as few lines as the exclusions among them allow.
     const LINES: [&str; 5] = [
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn only_what_is_asked_for_is_left() {
-        let all = [Pcf, PcfVector, KFunction, Spectrum, Radial, Covariance, Neighbors, Discrepancy];
+        let all = [Pcf, PcfVector, KFunction, Spectrum, Radial, Covariance, Neighbors, Discrepancy, Counts];
         let mut seen = std::collections::BTreeSet::new();
         for line in LINES {
             let whole = request(line);

@@ -50,11 +50,14 @@ pub enum Statistic {
     Neighbors,
     /// Discrepancies, diaphony, t of nets in base 2, covering radius.
     Discrepancy,
+    /// Numbers of points in boxes and balls.
+    Counts,
 }
 
 named!(
     Statistic: Pcf = "pcf", PcfVector = "pcf-vector", KFunction = "k-function", Spectrum = "spectrum", Radial = "radial",
-    Covariance = "covariance", Neighbors = "neighbors", Discrepancy = "discrepancy"
+    Covariance = "covariance", Neighbors = "neighbors", Discrepancy = "discrepancy",
+    Counts = "counts"
 );
 
 /// What is measured where nothing else is asked for.

@@ -7,6 +7,7 @@
 pub(crate) mod axes;
 mod classes;
 mod convention;
+mod counts;
 mod covariance;
 mod discrepancy;
 mod envelope;
@@ -90,6 +91,7 @@ pub(crate) const ROOMS: &[&dyn Room] = &[
     &convention::Here,
     &neighbors::Here,
     &discrepancy::Here,
+    &counts::Here,
 ];
 
 /// Behind a length on a terminal: the name of its unit, if it has one.

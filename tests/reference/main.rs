@@ -7,6 +7,7 @@ mod common;
 mod by_hand;
 mod comparison_can_fail;
 mod coordinates;
+mod counts;
 mod discrepancy;
 mod integrands;
 mod laws;

@@ -2,6 +2,7 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+mod counts;
 mod discrepancy;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod fixed_point;
@@ -40,10 +41,12 @@ pub use simd::fma_gflop;
 use super::neighbors::neighbor_sums;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy, LevelCounts, RealizationDiscrepancy};
-use crate::accumulate::{DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower};
+use crate::accumulate::{
+    CountSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{CountPlan, CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -182,5 +185,14 @@ impl Compute for Cpu {
         control: &'a Control,
     ) -> Pending<'a, DiscrepancySums> {
         at_once(|| discrepancy::discrepancies(self, plan, ensemble, control))
+    }
+
+    fn counts<'a>(
+        &'a self,
+        plan: &'a CountPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, CountSums> {
+        at_once(|| counts::counts(self, plan, ensemble, control))
     }
 }

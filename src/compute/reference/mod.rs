@@ -2,6 +2,7 @@
 //! coordinates as they were given; pairs are of the integers that `points` makes of them, which has its own tests against
 //! coordinates (tests/reference/coordinates.rs).
 
+mod counts;
 mod discrepancy;
 mod kernel_sums;
 mod lag_counts;
@@ -21,12 +22,13 @@ use phases::Places;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{
-    CovarianceSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    CountSums, CovarianceSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
+    WavePower,
 };
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{CountPlan, CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -149,5 +151,14 @@ impl Compute for Reference {
         control: &'a Control,
     ) -> Pending<'a, DiscrepancySums> {
         at_once(|| discrepancy::discrepancies(plan, ensemble, control))
+    }
+
+    fn counts<'a>(
+        &'a self,
+        plan: &'a CountPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, CountSums> {
+        at_once(|| counts::counts(plan, ensemble, control))
     }
 }
