@@ -111,6 +111,10 @@ settings! {
     Sectors = "sectors",
     /// Largest frequency of the covariance of amplitudes.
     CovarianceFrequency = "covariance_frequency",
+    /// Bandwidth of the intensity.
+    IntensityBandwidth = "intensity_bandwidth",
+    /// Cells per axis of the intensity.
+    IntensityGrid = "intensity_grid",
     /// Taper of a window's spectrum.
     Taper = "taper",
     /// Number of sine tapers per axis.

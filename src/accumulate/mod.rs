@@ -4,6 +4,7 @@ mod computed_by;
 mod count_sums;
 mod discrepancy_sums;
 mod encode;
+mod intensity_sums;
 mod kernel_sums;
 mod lag_counts;
 mod neighbor_sums;
@@ -18,6 +19,7 @@ pub use computed_by::{Backend, ComputedBy};
 pub use count_sums::{CountSums, Places, RealizationCounts};
 pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
+pub use intensity_sums::{IntensityScores, IntensitySums, RealizationScores};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
 pub use neighbor_sums::{

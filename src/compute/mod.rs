@@ -9,6 +9,7 @@ mod compensated;
 pub mod cpu;
 mod device;
 pub mod gpu;
+mod intensity_scores;
 pub mod neighbors;
 pub mod reference;
 
@@ -20,13 +21,14 @@ pub(crate) use device::Session;
 use std::pin::Pin;
 
 use crate::accumulate::{
-    ComputedBy, CountSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    ComputedBy, CountSums, DiscrepancySums, IntensitySums, KernelSums, LagCounts, NeighborSums, PairCounts,
+    WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CountPlan, CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan, WaveCosts,
-    WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan,
+    WaveCosts, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::Pool;
@@ -66,6 +68,8 @@ pub enum Work<'a> {
     Discrepancy(&'a DiscrepancyPlan),
     /// `Compute::counts`.
     Counts(&'a CountPlan),
+    /// `Compute::intensity`.
+    Intensity(&'a IntensityPlan),
 }
 
 /// Why the CPU path does something in place of a backend.
@@ -91,9 +95,8 @@ pub trait Compute: Send + Sync {
     fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
         match work {
             Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
-            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) | Work::Discrepancy(_) | Work::Counts(_) => {
-                Err(NotHere::Never)
-            }
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => Err(NotHere::Never),
+            Work::Discrepancy(_) | Work::Counts(_) | Work::Intensity(_) => Err(NotHere::Never),
         }
     }
 
@@ -184,6 +187,16 @@ pub trait Compute: Send + Sync {
         _control: &'a Control,
     ) -> Pending<'a, CountSums> {
         at_once(|| Err(never(self.computed_by(), "counts")))
+    }
+
+    /// Sums of kernels on a grid of every realization.
+    fn intensity<'a>(
+        &'a self,
+        _plan: &'a IntensityPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, IntensitySums> {
+        at_once(|| Err(never(self.computed_by(), "intensity")))
     }
 }
 

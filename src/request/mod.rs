@@ -15,8 +15,8 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, LagReach, SmoothingKernel,
-    Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, IntensityBandwidth, LagReach,
+    SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -52,12 +52,14 @@ pub enum Statistic {
     Discrepancy,
     /// Numbers of points in boxes and balls.
     Counts,
+    /// Intensity on a grid.
+    Intensity,
 }
 
 named!(
     Statistic: Pcf = "pcf", PcfVector = "pcf-vector", KFunction = "k-function", Spectrum = "spectrum", Radial = "radial",
     Covariance = "covariance", Neighbors = "neighbors", Discrepancy = "discrepancy",
-    Counts = "counts"
+    Counts = "counts", Intensity = "intensity"
 );
 
 /// What is measured where nothing else is asked for.
@@ -323,6 +325,16 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "B", allow_negative_numbers = true))]
     pub covariance_frequency: Option<u32>,
 
+    /// Standard deviation of the intensity's kernel, or a rule
+    ///
+    /// Standard deviation of the Gaussian kernel of the intensity, or a rule: scott, or likelihood (likelihood cross-validation).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SD|RULE", allow_negative_numbers = true))]
+    pub intensity_bandwidth: Option<IntensityBandwidth>,
+
+    /// Cells per axis of the intensity
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", allow_negative_numbers = true))]
+    pub intensity_grid: Option<usize>,
+
     /// Taper of P in a window: bartlett or sine
     ///
     /// Taper of a window's spectrum.
@@ -416,6 +428,8 @@ impl Default for Request {
             ring_directions: None,
             sectors: None,
             covariance_frequency: None,
+            intensity_bandwidth: None,
+            intensity_grid: None,
             taper: None,
             tapers: None,
             debias: None,

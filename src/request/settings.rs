@@ -6,7 +6,7 @@ use super::{Request, Statistic};
 use crate::plan::Conventions;
 use crate::setting::{Setting, renamed};
 
-use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
+use Statistic::{Covariance, Intensity, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
 
 /// What a setting is about, in the order of the help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,7 +111,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 51] = [
+pub static SETTINGS: [Row; 53] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -172,6 +172,10 @@ pub static SETTINGS: [Row; 51] = [
         default: Some("18")),
     row!(CovarianceFrequency, "--covariance-frequency", covariance_frequency, Frequencies, statistics: &[Covariance],
         otherwise: "8 in 2D, 64 in 1D, 2 in 3D"),
+    row!(IntensityBandwidth, "--intensity-bandwidth", intensity_bandwidth, Statistics, statistics: &[Intensity],
+        default: Some("scott")),
+    row!(IntensityGrid, "--intensity-grid", intensity_grid, Statistics, statistics: &[Intensity],
+        otherwise: "128 in 2D, 512 in 1D, 32 in 3D"),
     row!(Taper, "--taper", taper, Tapers, usual: true, statistics: WAVES, default: Some("bartlett"),
         otherwise: "bartlett, the same everywhere"),
     row!(Tapers, "--tapers", tapers, Tapers, statistics: WAVES, default: Some("1")),

@@ -12,6 +12,7 @@ mod covariance;
 mod discrepancy;
 mod envelope;
 pub(crate) mod group;
+mod intensity;
 mod keys;
 mod lags;
 mod layers;
@@ -92,6 +93,7 @@ pub(crate) const ROOMS: &[&dyn Room] = &[
     &neighbors::Here,
     &discrepancy::Here,
     &counts::Here,
+    &intensity::Here,
 ];
 
 /// Behind a length on a terminal: the name of its unit, if it has one.

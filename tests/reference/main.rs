@@ -10,6 +10,7 @@ mod coordinates;
 mod counts;
 mod discrepancy;
 mod integrands;
+mod intensity;
 mod laws;
 mod polygon;
 mod samplers;

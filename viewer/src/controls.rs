@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 13] = [
+    const WITHOUT: [Setting; 15] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -208,6 +208,8 @@ mod tests {
         Setting::EnvelopeFrom,
         Setting::Sectors,
         Setting::CovarianceFrequency,
+        Setting::IntensityBandwidth,
+        Setting::IntensityGrid,
         // The list of files is edited as a whole.
         Setting::Files,
     ];

@@ -88,13 +88,13 @@ impl Lattice {
         let (cells, dim) = (plan.cells, axes.len());
         let mut points = vec![0; cells.pow(dim as u32)];
         let shifts: Vec<u64> = (0..dim).map(|a| plan.cell_shift(realization, a)).collect();
+        let along = |a: usize, i: usize| {
+            // The upper end of a window, which has wrapped to 0, comes into the last cell, as what is before the first.
+            let shifted = axes[a][i].wrapping_sub(shifts[a]);
+            ((u128::from(shifted) * cells as u128) >> 64) as usize
+        };
         for i in 0..axes[0].len() {
-            let along = |a: usize| {
-                // The upper end of a window, which has wrapped to 0, comes into the last cell, as what is before the first.
-                let shifted = axes[a][i].wrapping_sub(shifts[a]);
-                ((u128::from(shifted) * cells as u128) >> 64) as usize
-            };
-            points[(0..dim).fold(0, |cell, a| cell * cells + along(a))] += 1;
+            points[(0..dim).fold(0, |cell, a| cell * cells + along(a, i))] += 1;
         }
         let outside = (!plan.domain.is_torus()).then(|| {
             let ends: Vec<Vec<[f64; 2]>> =

@@ -8,6 +8,7 @@ mod discrepancy;
 mod fixed_point;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod histogram_rows;
+mod intensity;
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
@@ -42,11 +43,14 @@ use super::neighbors::neighbor_sums;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy, LevelCounts, RealizationDiscrepancy};
 use crate::accumulate::{
-    CountSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    CountSums, DiscrepancySums, IntensitySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
+    WavePower,
 };
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{CountPlan, CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -194,5 +198,14 @@ impl Compute for Cpu {
         control: &'a Control,
     ) -> Pending<'a, CountSums> {
         at_once(|| counts::counts(self, plan, ensemble, control))
+    }
+
+    fn intensity<'a>(
+        &'a self,
+        plan: &'a IntensityPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, IntensitySums> {
+        at_once(|| intensity::intensity(self, plan, ensemble, control))
     }
 }

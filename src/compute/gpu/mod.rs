@@ -186,9 +186,8 @@ impl Compute for GpuCompute {
             Work::Pairs(plan) => pair_specs::supports(plan, &self.gpu.limits),
             Work::Lags(plan) => lag_counts::supports(plan, binding_bytes),
             Work::Waves(plan) => wave_specs::supports(plan, self.verdict.f64(), binding_bytes),
-            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) | Work::Discrepancy(_) | Work::Counts(_) => {
-                return Err(NotHere::Never);
-            }
+            Work::Kernel(_) | Work::Covariance(_) | Work::Neighbors(_) => return Err(NotHere::Never),
+            Work::Discrepancy(_) | Work::Counts(_) | Work::Intensity(_) => return Err(NotHere::Never),
         };
         done.map_err(NotHere::Because)
     }

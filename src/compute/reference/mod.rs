@@ -4,6 +4,7 @@
 
 mod counts;
 mod discrepancy;
+mod intensity;
 mod kernel_sums;
 mod lag_counts;
 mod neighbors;
@@ -22,13 +23,15 @@ use phases::Places;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{
-    CountSums, CovarianceSums, DiscrepancySums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
-    WavePower,
+    CountSums, CovarianceSums, DiscrepancySums, IntensitySums, KernelSums, LagCounts, NeighborSums, PairCounts,
+    WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{CountPlan, CovariancePlan, DiscrepancyPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan};
+use crate::plan::{
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+};
 use crate::points::Ensemble;
 
 /// The reference implementation.
@@ -160,5 +163,14 @@ impl Compute for Reference {
         control: &'a Control,
     ) -> Pending<'a, CountSums> {
         at_once(|| counts::counts(plan, ensemble, control))
+    }
+
+    fn intensity<'a>(
+        &'a self,
+        plan: &'a IntensityPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, IntensitySums> {
+        at_once(|| intensity::intensity(plan, ensemble, control))
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn dispersion(analysis: &Analysis) -> Option<Figure> {
         };
         layers.push(line(name(shape, dim).into(), color, Stroke::Solid, |s| s.dispersion));
         if shape == CountShape::Box {
-            layers.push(line("independent points".into(), INK, Stroke::Dashed, |s| Some(s.random)));
+            layers.push(line("as many independent points".into(), INK, Stroke::Dashed, |s| Some(s.random)));
         }
     }
     let units = Units::of(analysis).escaped();
