@@ -117,6 +117,10 @@ settings! {
     Estimator = "estimator",
     /// Shifts of each realization.
     Shifts = "shifts",
+    /// Bandwidth of the intensity.
+    IntensityBandwidth = "intensity_bandwidth",
+    /// Cells per axis of the intensity.
+    IntensityGrid = "intensity_grid",
     /// Taper of a window's spectrum.
     Taper = "taper",
     /// Number of sine tapers per axis.

@@ -1,9 +1,11 @@
 //! 4. Mergeable raw sums. No divisions here.
 
 mod computed_by;
+mod count_sums;
 mod discrepancy_sums;
 mod encode;
 mod integration_sums;
+mod intensity_sums;
 mod kernel_sums;
 mod lag_counts;
 mod neighbor_sums;
@@ -15,9 +17,11 @@ mod wave_covariance;
 mod wave_power;
 
 pub use computed_by::{Backend, ComputedBy};
+pub use count_sums::{CountSums, Places, RealizationCounts};
 pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
 pub use integration_sums::{IntegrandSums, IntegrationSums, RealizationSums};
+pub use intensity_sums::{IntensityScores, IntensitySums, RealizationScores};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;
 pub use neighbor_sums::{

@@ -420,7 +420,7 @@ impl Measurement {
             })
             .collect();
         let by = sums.iter().filter_map(|(_, sums)| sums.computed_by().cloned()).reduce(|a, b| a.merge(&b));
-        let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu (k-d tree)"));
+        let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu"));
         let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
         found.domain = source.domain().clone();
         found.min_points = self.sizes.values().copied().min().unwrap_or(0);

@@ -354,8 +354,9 @@ mod tests {
             let mut request = Request { bins: Some(bins), max_frequency: Some(vec![f]), ..Request::default() };
             request.lag_bins = Some(lags);
             request.covariance_frequency = Some(f);
-            // Rings come with the spectrum; sums of discrepancies have one form.
-            let alike = ["radial", "discrepancy"];
+            request.intensity_grid = Some(lags);
+            // Rings come with the spectrum; sums of discrepancies and of counts have one form.
+            let alike = ["radial", "discrepancy", "counts"];
             request.stats =
                 crate::request::Statistic::ALL.iter().copied().filter(|s| !alike.contains(&s.name())).collect();
             (request.input.sampler, request.input.points) = (Some("random".into()), Some(20));
@@ -373,6 +374,6 @@ mod tests {
             assert!(error.contains("sums of another form"), "{error}");
             seen += 1;
         }
-        assert_eq!(seen, 5);
+        assert_eq!(seen, 6);
     }
 }

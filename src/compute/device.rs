@@ -4,16 +4,16 @@ use std::sync::OnceLock;
 
 use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
-use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
+use super::{Compute, NotHere, Work, binned_kernel, intensity_scores, reference::Reference};
 use crate::accumulate::{
-    ComputedBy, DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
-    WavePower,
+    ComputedBy, CountSums, DiscrepancySums, IntegrationSums, IntensityScores, IntensitySums, KernelSums, LagCounts,
+    NeighborSums, PairCounts, WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelMethod, KernelPlan, LagPlan, NeighborPlan, PairPlan,
-    WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntegrationPlan, IntensityPlan, IntensitySearch, KernelMethod,
+    KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::{Pool, check_threads};
@@ -187,6 +187,21 @@ impl<'a> Session<'a> {
     pub(crate) async fn integration(&mut self, plan: &IntegrationPlan, ensemble: &Ensemble) -> Result<IntegrationSums> {
         let control = self.control;
         self.run(Work::Integration(plan), async |c: &dyn Compute| c.integration(plan, ensemble, control).await).await
+    }
+
+    pub(crate) async fn counts(&mut self, plan: &CountPlan, ensemble: &Ensemble) -> Result<CountSums> {
+        let control = self.control;
+        self.run(Work::Counts(plan), async |c: &dyn Compute| c.counts(plan, ensemble, control).await).await
+    }
+
+    pub(crate) async fn intensity(&mut self, plan: &IntensityPlan, ensemble: &Ensemble) -> Result<IntensitySums> {
+        let control = self.control;
+        self.run(Work::Intensity(plan), async |c: &dyn Compute| c.intensity(plan, ensemble, control).await).await
+    }
+
+    /// On the CPU, whatever the device.
+    pub(crate) fn intensity_scores(&self, search: &IntensitySearch, ensemble: &Ensemble) -> Result<IntensityScores> {
+        intensity_scores::scores(self.device.pool(), search, ensemble, self.control)
     }
 
     /// What the user should know about who computed.

@@ -9,6 +9,7 @@ mod compensated;
 pub mod cpu;
 mod device;
 pub mod gpu;
+mod intensity_scores;
 pub mod neighbors;
 pub mod reference;
 mod shifts;
@@ -21,14 +22,14 @@ pub(crate) use device::Session;
 use std::pin::Pin;
 
 use crate::accumulate::{
-    ComputedBy, DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
-    WavePower,
+    ComputedBy, CountSums, DiscrepancySums, IntegrationSums, IntensitySums, KernelSums, LagCounts, NeighborSums,
+    PairCounts, WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelPlan, LagPlan, NeighborPlan, PairDevice, PairPlan,
-    WaveCosts, WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntegrationPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan,
+    PairDevice, PairPlan, WaveCosts, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::Pool;
@@ -68,6 +69,10 @@ pub enum Work<'a> {
     Discrepancy(&'a DiscrepancyPlan),
     /// `Compute::integration`.
     Integration(&'a IntegrationPlan),
+    /// `Compute::counts`.
+    Counts(&'a CountPlan),
+    /// `Compute::intensity`.
+    Intensity(&'a IntensityPlan),
 }
 
 /// Why the CPU path does something in place of a backend.
@@ -97,7 +102,9 @@ pub trait Compute: Send + Sync {
             | Work::Covariance(_)
             | Work::Neighbors(_)
             | Work::Discrepancy(_)
-            | Work::Integration(_) => Err(NotHere::Never),
+            | Work::Integration(_)
+            | Work::Counts(_)
+            | Work::Intensity(_) => Err(NotHere::Never),
         }
     }
 
@@ -188,6 +195,26 @@ pub trait Compute: Send + Sync {
         _control: &'a Control,
     ) -> Pending<'a, IntegrationSums> {
         at_once(|| Err(never(self.computed_by(), "integration")))
+    }
+
+    /// Numbers of points in boxes and balls of every realization.
+    fn counts<'a>(
+        &'a self,
+        _plan: &'a CountPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, CountSums> {
+        at_once(|| Err(never(self.computed_by(), "counts")))
+    }
+
+    /// Sums of kernels on a grid of every realization.
+    fn intensity<'a>(
+        &'a self,
+        _plan: &'a IntensityPlan,
+        _ensemble: &'a Ensemble,
+        _control: &'a Control,
+    ) -> Pending<'a, IntensitySums> {
+        at_once(|| Err(never(self.computed_by(), "intensity")))
     }
 }
 

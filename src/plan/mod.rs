@@ -5,9 +5,11 @@ mod bandwidth;
 mod bin_filter;
 mod cell_grid;
 mod convention;
+mod count_plan;
 mod covariance_plan;
 mod discrepancy_plan;
 mod integration_plan;
+mod intensity_plan;
 mod kernel_plan;
 mod lag_plan;
 mod neighbor_plan;
@@ -36,11 +38,14 @@ pub use bandwidth::{Bandwidth, BandwidthSearch};
 pub use bin_filter::{BinFilter, BinTable, RELATIVE_GUARD};
 pub use cell_grid::{CellAxis, CellGrid, StencilRow};
 pub use convention::{AnisotropyRule, Convention, Conventions};
+pub use count_plan::{CountExtent, CountPlan, CountShape, CountSize};
 pub use covariance_plan::CovariancePlan;
 pub(crate) use covariance_plan::covariance_values;
 pub use discrepancy_plan::DiscrepancyPlan;
 pub(crate) use integration_plan::IntegrandTable;
 pub use integration_plan::{Estimator, IntegrationPlan, IntegrationSettings, PairSum};
+pub use intensity_plan::{IntensityBandwidth, IntensityPlan, IntensitySearch};
+pub(crate) use intensity_plan::{axis_kernel, kernel_mass, scott};
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelMethod, KernelPlan};
 pub(crate) use lag_plan::{DEFAULT_LAG_BINS, DEFAULT_LAG_RINGS};
@@ -68,7 +73,7 @@ fn refuse_polygon(domain: &Domain, statistic: &str) -> Result<()> {
     if domain.as_polygon().is_none() {
         return Ok(());
     }
-    let reason = "is not available for points in a polygon (`window_polygon`); expected pcf, k-function or neighbors";
+    let reason = "is not available for points in a polygon (`window_polygon`); expected pcf, k-function, neighbors, counts or intensity";
     Err(Error::setting(Setting::Stats, statistic, reason))
 }
 

@@ -120,7 +120,7 @@ impl ProbeLattice {
 }
 
 /// The least prime from `least` on, or 1.
-fn prime_from(least: u64) -> u64 {
+pub(super) fn prime_from(least: u64) -> u64 {
     let is_prime = |&m: &u64| (2..).take_while(|d| d * d <= m).all(|d| !m.is_multiple_of(d));
     (least.max(1)..).find(is_prime).unwrap_or(least)
 }

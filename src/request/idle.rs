@@ -122,13 +122,14 @@ impl Request {
 #[cfg(feature = "cli")]
 mod tests {
     use super::*;
-    use Statistic::{Covariance, Discrepancy, KFunction, Neighbors, Pcf, PcfVector};
+    use Statistic::{Counts, Covariance, Discrepancy, Intensity, KFunction, Neighbors, Pcf, PcfVector};
 
     /// Every setting of the table in as few lines as the exclusions among them allow.
     const LINES: [&str; 5] = [
         "--r-max 0.1 --bins 9 --bin-scale log --beyond-half --kernel gaussian --bandwidth 0.01 --divisor d --exact-kernel \
          --class-column c --classes A,B --correction none --envelope 9 --lag-bins 8 --lag-max 0.1 --lag-rings 0.1 x",
-        "--edges e.txt --weight-column w --envelope-from s --max-frequency 3 --sectors 4 --covariance-frequency 2 x",
+        "--edges e.txt --weight-column w --envelope-from s --max-frequency 3 --sectors 4 --covariance-frequency 2 \
+         --intensity-bandwidth 0.1 --intensity-grid 16 x",
         "--frequencies f.txt --taper sine --tapers 2 --debias none --window 0,1,0,1 x",
         "--ring-directions 5 --convention utk x",
         "--convention psa --bug-compatible x",
@@ -140,7 +141,7 @@ mod tests {
 
     #[test]
     fn only_what_is_asked_for_is_left() {
-        let all = [Pcf, PcfVector, KFunction, Spectrum, Radial, Covariance, Neighbors, Discrepancy];
+        let all = [Pcf, PcfVector, KFunction, Spectrum, Radial, Covariance, Neighbors, Discrepancy, Counts, Intensity];
         let mut seen = std::collections::BTreeSet::new();
         for line in LINES {
             let whole = request(line);

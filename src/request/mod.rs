@@ -15,8 +15,8 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, Estimator, LagReach,
-    SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, Estimator, IntensityBandwidth,
+    LagReach, SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -50,11 +50,16 @@ pub enum Statistic {
     Neighbors,
     /// Discrepancies, diaphony, t of nets in base 2, covering radius.
     Discrepancy,
+    /// Numbers of points in boxes and balls.
+    Counts,
+    /// Intensity on a grid.
+    Intensity,
 }
 
 named!(
     Statistic: Pcf = "pcf", PcfVector = "pcf-vector", KFunction = "k-function", Spectrum = "spectrum", Radial = "radial",
-    Covariance = "covariance", Neighbors = "neighbors", Discrepancy = "discrepancy"
+    Covariance = "covariance", Neighbors = "neighbors", Discrepancy = "discrepancy",
+    Counts = "counts", Intensity = "intensity"
 );
 
 /// What is measured where nothing else is asked for.
@@ -339,6 +344,15 @@ pub struct Request {
     /// Shifts of each realization, of a lattice with a random offset, at which the error is observed.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", allow_negative_numbers = true))]
     pub shifts: Option<u32>,
+    /// Standard deviation of the intensity's kernel, or a rule
+    ///
+    /// Standard deviation of the Gaussian kernel of the intensity, or a rule: scott, or likelihood (likelihood cross-validation).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SD|RULE", allow_negative_numbers = true))]
+    pub intensity_bandwidth: Option<IntensityBandwidth>,
+
+    /// Cells per axis of the intensity
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", allow_negative_numbers = true))]
+    pub intensity_grid: Option<usize>,
 
     /// Taper of P in a window: bartlett or sine
     ///
@@ -436,6 +450,8 @@ impl Default for Request {
             integrand: Vec::new(),
             estimator: None,
             shifts: None,
+            intensity_bandwidth: None,
+            intensity_grid: None,
             taper: None,
             tapers: None,
             debias: None,

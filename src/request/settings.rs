@@ -6,7 +6,7 @@ use super::{Request, Statistic};
 use crate::plan::Conventions;
 use crate::setting::{Setting, renamed};
 
-use Statistic::{Covariance, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
+use Statistic::{Covariance, Intensity, KFunction, Neighbors, Pcf, PcfVector, Radial, Spectrum};
 
 /// What a setting is about, in the order of the help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,7 +114,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 54] = [
+pub static SETTINGS: [Row; 56] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -179,6 +179,10 @@ pub static SETTINGS: [Row; 54] = [
     row!(Estimator, "--estimator", estimator, Integration, needs: Some(Setting::Integrand),
         otherwise: "mean for equal n, else lambda"),
     row!(Shifts, "--shifts", shifts, Integration, needs: Some(Setting::Integrand), default: Some("16")),
+    row!(IntensityBandwidth, "--intensity-bandwidth", intensity_bandwidth, Statistics, statistics: &[Intensity],
+        default: Some("scott")),
+    row!(IntensityGrid, "--intensity-grid", intensity_grid, Statistics, statistics: &[Intensity],
+        otherwise: "128 in 2D, 512 in 1D, 32 in 3D"),
     row!(Taper, "--taper", taper, Tapers, usual: true, statistics: WAVES, default: Some("bartlett"),
         otherwise: "bartlett, the same everywhere"),
     row!(Tapers, "--tapers", tapers, Tapers, statistics: WAVES, default: Some("1")),

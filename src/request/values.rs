@@ -11,7 +11,8 @@ use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, Estimator, LagReach, SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, Estimator, IntensityBandwidth, LagReach,
+    SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -165,6 +166,24 @@ impl Value for Memory {
 }
 
 impl Value for Bandwidth {
+    fn text(&self) -> String {
+        match self {
+            Self::Given(bandwidth) => number(*bandwidth),
+            rule => rule.to_string(),
+        }
+    }
+    fn json(&self) -> Json {
+        match self {
+            Self::Given(bandwidth) => (*bandwidth).into(),
+            rule => rule.to_string().into(),
+        }
+    }
+    fn parse(text: &str) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl Value for IntensityBandwidth {
     fn text(&self) -> String {
         match self {
             Self::Given(bandwidth) => number(*bandwidth),

@@ -200,8 +200,21 @@ pub(crate) static NEIGHBORS_CROSS: Drawn = Drawn {
     ..PLAIN
 };
 
+pub(crate) static COUNTS: Drawn = Drawn {
+    stem: "counts",
+    title: "Index of dispersion of counts",
+    x: "side of boxes, radius of balls ({length})",
+    y: "variance / mean of N (dimensionless)",
+    table: "counts.csv",
+    x_column: "size",
+    curves: &[("dispersion", "")],
+    group: Some("shape"),
+    level: Level::At(1.0, "Poisson: 1"),
+    ..PLAIN
+};
+
 /// All of them, in the order of the page.
-pub(crate) static DRAWN: [&Drawn; 12] = [
+pub(crate) static DRAWN: [&Drawn; 13] = [
     &PCF,
     &PCF_KERNEL,
     &PCF_CROSS,
@@ -214,6 +227,7 @@ pub(crate) static DRAWN: [&Drawn; 12] = [
     &ANGULAR,
     &NEIGHBORS,
     &NEIGHBORS_CROSS,
+    &COUNTS,
 ];
 
 impl Drawn {

@@ -7,11 +7,13 @@
 pub(crate) mod axes;
 mod classes;
 mod convention;
+mod counts;
 mod covariance;
 mod discrepancy;
 mod envelope;
 pub(crate) mod group;
 mod integration;
+mod intensity;
 mod keys;
 mod lags;
 mod layers;
@@ -92,6 +94,8 @@ pub(crate) const ROOMS: &[&dyn Room] = &[
     &neighbors::Here,
     &discrepancy::Here,
     &integration::Here,
+    &counts::Here,
+    &intensity::Here,
 ];
 
 /// Behind a length on a terminal: the name of its unit, if it has one.

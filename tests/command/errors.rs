@@ -172,17 +172,17 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze ok.csv --window-polygon box.wkt --stats spectrum",
             2,
-            "--stats spectrum, radial: is not available for points in a polygon (--window-polygon); expected pcf, k-function or neighbors",
+            "--stats spectrum, radial: is not available for points in a polygon (--window-polygon); expected pcf, k-function, neighbors, counts or intensity",
         ),
         (
             "analyze ok.csv --window-polygon box.wkt --stats pcf-vector",
             2,
-            "--stats pcf-vector: is not available for points in a polygon (--window-polygon); expected pcf, k-function or neighbors",
+            "--stats pcf-vector: is not available for points in a polygon (--window-polygon); expected pcf, k-function, neighbors, counts or intensity",
         ),
         (
             "analyze ok.csv --window-polygon box.wkt --stats covariance",
             2,
-            "--stats covariance: is not available for points in a polygon (--window-polygon); expected pcf, k-function or neighbors",
+            "--stats covariance: is not available for points in a polygon (--window-polygon); expected pcf, k-function, neighbors, counts or intensity",
         ),
         (
             "analyze ok.csv --window-polygon box.wkt --r-max 1",
@@ -465,6 +465,33 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--correction translation: a torus has no edges; use none",
         ),
         ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf or k-function among --stats"),
+        ("analyze ok.csv --intensity-grid 8", 2, "--intensity-grid 8: needs intensity among --stats"),
+        ("analyze ok.csv --intensity-bandwidth scott", 2, "--intensity-bandwidth scott: needs intensity among --stats"),
+        (
+            "analyze ok.csv --stats intensity --intensity-grid 1",
+            2,
+            "--intensity-grid 1: expected 2 to 4096 cells per axis in 2D",
+        ),
+        (
+            "analyze three.txt --stats intensity --intensity-grid 257",
+            2,
+            "--intensity-grid 257: expected 2 to 256 cells per axis in 3D",
+        ),
+        (
+            "analyze ok.csv --stats intensity --intensity-bandwidth 0",
+            2,
+            "--intensity-bandwidth 0: expected a standard deviation above 0 and at most the longest side, 1",
+        ),
+        (
+            "analyze ok.csv --stats intensity --intensity-bandwidth nan",
+            2,
+            "--intensity-bandwidth NaN: expected a standard deviation above 0 and at most the longest side, 1",
+        ),
+        (
+            "analyze trees.csv --columns x,y --weight-column size --stats counts",
+            2,
+            "--weight-column size: needs pcf, k-function, spectrum, radial or covariance among --stats",
+        ),
         (
             "analyze ok.csv --stats pcf --max-frequency 3",
             2,

@@ -9,6 +9,7 @@ mod convention;
 mod envelope;
 mod errors;
 mod examples;
+mod first_order;
 mod listings;
 mod pair_correlation;
 mod plot;

@@ -13,6 +13,7 @@ fn a_request_is_a_command_line() {
         "--r-max 0.25 --bins 12 --bin-scale log --beyond-half --lag-bins 8 --lag-max 0.125 --lag-rings 0.1,0.2 x",
         "--kernel gaussian --bandwidth 0.001 --divisor d --exact-kernel --correction border --envelope 19 x",
         "--normalization intensity --max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 x",
+        "--stats intensity,counts --intensity-bandwidth 0.125 --intensity-grid 64 x",
         "--frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",
         "--integrand disk --integrand box:x0=0.1 --estimator ratio --shifts 4 x",
         "--window-polygon plot.wkt --stats k-function x",
@@ -61,6 +62,10 @@ fn a_request_is_a_command_line() {
         ("--bins 1 --bins", "--bins 1 --bins: a value is required for '--bins <B>' but none was supplied"),
         ("--nonsense", "--nonsense: unexpected argument '--nonsense' found"),
         ("--bandwidth 1", "--bandwidth 1: the following required arguments were not provided: --kernel <KERNEL>"),
+        (
+            "--intensity-bandwidth lots",
+            "--intensity-bandwidth lots: invalid value 'lots' for '--intensity-bandwidth <SD|RULE>': expected a number, scott or likelihood",
+        ),
         ("--help", "--help: unexpected argument '--help' found"),
     ] {
         let error = request(&words(line)).unwrap_err();

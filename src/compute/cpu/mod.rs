@@ -2,12 +2,14 @@
 //! form differs from them. No result depends on the number of threads or on how a batch was cut: counts are integers,
 //! and every f64 is made by the same additions in the same order.
 
+mod counts;
 mod discrepancy;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod fixed_point;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod histogram_rows;
 mod integration;
+mod intensity;
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
@@ -42,12 +44,14 @@ use super::neighbors::neighbor_sums;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy, LevelCounts, RealizationDiscrepancy};
 use crate::accumulate::{
-    DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance, WavePower,
+    CountSums, DiscrepancySums, IntegrationSums, IntensitySums, KernelSums, LagCounts, NeighborSums, PairCounts,
+    WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntegrationPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan,
+    PairPlan, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::Pool;
@@ -196,5 +200,23 @@ impl Compute for Cpu {
         control: &'a Control,
     ) -> Pending<'a, IntegrationSums> {
         at_once(|| integration::integration(self, plan, ensemble, control))
+    }
+
+    fn counts<'a>(
+        &'a self,
+        plan: &'a CountPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, CountSums> {
+        at_once(|| counts::counts(self, plan, ensemble, control))
+    }
+
+    fn intensity<'a>(
+        &'a self,
+        plan: &'a IntensityPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, IntensitySums> {
+        at_once(|| intensity::intensity(self, plan, ensemble, control))
     }
 }

@@ -190,7 +190,9 @@ impl Compute for GpuCompute {
             | Work::Covariance(_)
             | Work::Neighbors(_)
             | Work::Discrepancy(_)
-            | Work::Integration(_) => {
+            | Work::Integration(_)
+            | Work::Counts(_)
+            | Work::Intensity(_) => {
                 return Err(NotHere::Never);
             }
         };

@@ -2,8 +2,10 @@
 //! coordinates as they were given; pairs are of the integers that `points` makes of them, which has its own tests against
 //! coordinates (tests/reference/coordinates.rs).
 
+mod counts;
 mod discrepancy;
 mod integration;
+mod intensity;
 mod kernel_sums;
 mod lag_counts;
 mod neighbors;
@@ -22,14 +24,15 @@ use phases::Places;
 use super::{Compute, NotHere, Pending, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{
-    CovarianceSums, DiscrepancySums, IntegrationSums, KernelSums, LagCounts, NeighborSums, PairCounts, WaveCovariance,
-    WavePower,
+    CountSums, CovarianceSums, DiscrepancySums, IntegrationSums, IntensitySums, KernelSums, LagCounts, NeighborSums,
+    PairCounts, WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
 use crate::plan::{
-    CovariancePlan, DiscrepancyPlan, IntegrationPlan, KernelPlan, LagPlan, NeighborPlan, PairPlan, WavePlan,
+    CountPlan, CovariancePlan, DiscrepancyPlan, IntegrationPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan,
+    PairPlan, WavePlan,
 };
 use crate::points::Ensemble;
 
@@ -162,5 +165,23 @@ impl Compute for Reference {
         control: &'a Control,
     ) -> Pending<'a, IntegrationSums> {
         at_once(|| integration::integration(plan, ensemble, control))
+    }
+
+    fn counts<'a>(
+        &'a self,
+        plan: &'a CountPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, CountSums> {
+        at_once(|| counts::counts(plan, ensemble, control))
+    }
+
+    fn intensity<'a>(
+        &'a self,
+        plan: &'a IntensityPlan,
+        ensemble: &'a Ensemble,
+        control: &'a Control,
+    ) -> Pending<'a, IntensitySums> {
+        at_once(|| intensity::intensity(plan, ensemble, control))
     }
 }

@@ -127,6 +127,27 @@ impl Polygon {
         self.contains([0, 1].map(|a| steps(difference(point[a], self.origin[a]), self.unit) as u64))
     }
 
+    /// Whether a box, given by its ends in steps along each axis, is inside: its middle is, and no side enters it.
+    pub(crate) fn holds_box(&self, ends: [[f64; 2]; 2]) -> bool {
+        let enters = |[from, to]: &[[f64; 2]; 2]| {
+            // The part of the side that is between the ends along both axes.
+            let (mut first, mut last) = (0f64, 1f64);
+            for (a, [low, high]) in ends.into_iter().enumerate() {
+                let way = to[a] - from[a];
+                if way == 0.0 {
+                    if from[a] <= low || from[a] >= high {
+                        return false;
+                    }
+                    continue;
+                }
+                let [s, t] = [(low - from[a]) / way, (high - from[a]) / way];
+                (first, last) = (first.max(s.min(t)), last.min(s.max(t)));
+            }
+            first < last
+        };
+        self.depth(ends.map(|[low, high]| 0.5 * (low + high))) > 0.0 && !self.rounded.iter().any(enters)
+    }
+
     /// Whether a place, in steps, is inside or on a side.
     pub fn contains(&self, place: [u64; 2]) -> bool {
         let mut inside = false;

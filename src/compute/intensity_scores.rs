@@ -1,0 +1,65 @@
+//! What the bandwidth of an intensity is found by: moments of the points, and the likelihood of each given the others.
+
+use rayon::prelude::*;
+
+use crate::accumulate::{IntensityScores, RealizationScores};
+use crate::control::Control;
+use crate::error::Result;
+use crate::plan::{IntensitySearch, axis_kernel, kernel_mass};
+use crate::points::Ensemble;
+use crate::pool::Pool;
+
+/// Of every realization.
+pub(super) fn scores(
+    pool: &Pool,
+    search: &IntensitySearch,
+    ensemble: &Ensemble,
+    control: &Control,
+) -> Result<IntensityScores> {
+    let part = 1.0 / ensemble.realizations() as f64;
+    let of = |k: usize| {
+        let one = realization(search, ensemble, k, control)?;
+        control.advance(part);
+        Ok(one)
+    };
+    let realizations = pool.install(|| (0..ensemble.realizations()).map(of).collect::<Result<Vec<_>>>())?;
+    Ok(IntensityScores { bandwidths: search.bandwidths.len(), realizations })
+}
+
+fn realization(
+    search: &IntensitySearch,
+    ensemble: &Ensemble,
+    k: usize,
+    control: &Control,
+) -> Result<RealizationScores> {
+    let domain = &search.domain;
+    let (dim, n, unit) = (domain.dim(), ensemble.points_in(k), domain.length_unit() / 2f64.powi(64));
+    let axes: Vec<Vec<f64>> =
+        ensemble.lengths(k).iter().map(|axis| axis.iter().map(|&x| x as f64 * unit).collect()).collect();
+    let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
+    for (a, axis) in axes.iter().enumerate() {
+        let off = |x: &f64| x - 0.5 * domain.sides()[a];
+        sums[a] = axis.iter().map(off).sum();
+        squares[a] = axis.iter().map(|x| off(x).powi(2)).sum();
+    }
+    let side = |a: usize| domain.is_torus().then(|| domain.sides()[a]);
+    // Evenly spread over their order.
+    let looked_at = n.min(search.points);
+    let log = |which: usize, bandwidth: f64| {
+        let i = which * n / looked_at.max(1);
+        let kernel =
+            |j: usize| -> f64 { (0..dim).map(|a| axis_kernel(axes[a][i] - axes[a][j], bandwidth, side(a))).product() };
+        let place: Vec<f64> = axes.iter().map(|axis| axis[i]).collect();
+        let others: f64 = (0..n).filter(|&j| j != i).map(kernel).sum();
+        // A lone point far from all others is as unlikely as f64 can say.
+        (others / kernel_mass(domain, &place, bandwidth)).max(f64::MIN_POSITIVE).ln()
+    };
+    let total = |&bandwidth: &f64| {
+        control.check()?;
+        let each: Vec<f64> = (0..looked_at).into_par_iter().map(|which| log(which, bandwidth)).collect();
+        // As if all had been looked at.
+        Ok(each.iter().sum::<f64>() * n as f64 / looked_at.max(1) as f64)
+    };
+    let logs = search.bandwidths.iter().map(total).collect::<Result<_>>()?;
+    Ok(RealizationScores { index: ensemble.first_index() + k as u64, n: n as u64, sums, squares, logs })
+}

@@ -1,0 +1,69 @@
+//! `intensity.png`: lambda(x, y) in colours, true to scale, the y axis up; in 3D the plane in the middle.
+
+use crate::display::{DC, escape, human, sequential};
+use crate::estimate::Analysis;
+use crate::statistics::{Bar, Image};
+
+/// Pixels of the longer side, about.
+const TARGET: f64 = 640.0;
+
+/// No side is shorter than this part of the other.
+const THINNEST: f64 = 0.25;
+
+/// `None` in one dimension.
+pub(super) fn image(analysis: &Analysis) -> Option<Image> {
+    let (found, sides) = (analysis.intensity()?, analysis.domain.sides());
+    let (cells, dim) = (found.cells, sides.len());
+    if dim < 2 {
+        return None;
+    }
+    let [least, largest] = found.range()?;
+    let longest = sides[0].max(sides[1]);
+    // Whole pixels per cell.
+    let zoom = [0, 1].map(|a| (TARGET * (sides[a] / longest).max(THINNEST) / cells as f64).round().max(1.0) as usize);
+    let depth = if dim == 3 { cells } else { 1 };
+    let tone = |lambda: f64| if largest > least { (lambda - least) / (largest - least) } else { 0.5 };
+    let color = |x: usize, y: usize| {
+        let cell = (x * cells + y) * depth + depth / 2;
+        if found.inside[cell] { sequential(tone(found.lambda[cell])) } else { DC }
+    };
+    let (width, height) = (cells * zoom[0], cells * zoom[1]);
+    let pixels = (0..height).rev().flat_map(|y| (0..width).map(move |x| (x / zoom[0], y / zoom[1])));
+    let rgb = pixels.flat_map(|(x, y)| color(x, y)).collect();
+    let plane = if dim == 3 { ", in the plane through the middle of z" } else { "" };
+    let outside = if analysis.domain.as_polygon().is_some() { "; outside the window grey" } else { "" };
+    let seen = format!(
+        "x to the right, y up{plane}, {cells} x {cells} cells of {} x {} pixels; linear from {} to {} points per unit{outside}",
+        zoom[0],
+        zoom[1],
+        human(least),
+        human(largest)
+    );
+    let ticks = (0..=4).map(|k| f64::from(k) / 4.0).map(|t| (t, human(least + t * (largest - least)))).collect();
+    Some(Image {
+        rgb,
+        size: [width as u32, height as u32],
+        title: "Intensity",
+        description: format!("{}; colour map: viridis", seen.replace('−', "-")),
+        seen,
+        alt: "Intensity on a grid",
+        bar: Bar::Sequential(ticks),
+    })
+}
+
+/// What the picture shows.
+pub(super) fn caption(a: &Analysis, seen: &str) -> Option<String> {
+    let found = a.intensity()?;
+    let edges = if a.domain.is_torus() {
+        "wrapped around the torus"
+    } else {
+        "divided by the part of the kernel that is in the window"
+    };
+    Some(format!(
+        "<i>λ</i>(<b>x</b>) = ∑<sub><i>j</i></sub> <i>k</i>(<b>x</b> − <b>x</b><sub><i>j</i></sub>), mean over realizations, with a \
+         Gaussian kernel <i>k</i> of standard deviation {}, {edges}: {}. Over the whole domain <i>n</i>/|<i>D</i>| is {}.",
+        human(found.bandwidth),
+        escape(seen),
+        human(found.mean)
+    ))
+}
