@@ -141,7 +141,7 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
         let _ = writeln!(svg, r#"<text x="{left:.1}" y="{:.1}">no variance above 0</text>"#, corner[1] + 60.0);
         return;
     }
-    let panel = Panel { corner, n: n0 / 1.25..n1 * 1.6, v: v0 / 2.5..v1 * 2.5 };
+    let panel = Panel { corner, n: n0 / 1.25..n1 * (n1 / n0).powf(0.15), v: v0 / 2.5..v1 * 2.5 };
     let (right, bottom) = (corner[0] + FRAME[1][0], corner[1] + FRAME[1][1]);
     let frame_top = corner[1] + FRAME[0][1];
     for (v, label) in log_ticks(&panel.v) {
@@ -164,7 +164,7 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
     // Slopes to compare with leave one point, above all that is drawn.
     let from = [n0, v1 * 1.6];
     for (slope, label) in REFERENCES {
-        let span = n0..n1 * 1.25;
+        let span = n0..n1 * (n1 / n0).powf(0.05);
         let [n, v] = panel.line(svg, from, slope, &span, r##"stroke="#9a9a9a" stroke-dasharray="3 3""##);
         let _ = writeln!(
             svg,

@@ -192,8 +192,8 @@ pub fn run(
                 k: errors.realizations,
                 seed: task.seed,
                 observed: e.observed,
-                shifted: e.shifted,
-                predicted: errors.predicted(e),
+                shifted: or_nothing(e.shifted, e.v0 / analysis.shape.mean_points),
+                predicted: or_nothing(errors.predicted(e), e.v0 / analysis.shape.mean_points),
                 local: None,
             };
             match curves.iter_mut().find(|c| (c.subject, c.integrand) == (task.subject, k)) {
@@ -229,6 +229,11 @@ pub fn run(
 /// Whether the number of points does.
 fn varies(analysis: &Analysis) -> bool {
     analysis.min_points != analysis.shape.max_points || analysis.shape.mean_points != analysis.shape.max_points as f64
+}
+
+/// 0 for what is rounding beside the variance of random points: a lattice integrates some functions exactly.
+fn or_nothing(measured: Measured, random: f64) -> Measured {
+    if measured.value > 1e-12 * random { measured } else { Measured { value: 0.0, se: Some(0.0) } }
 }
 
 /// What there is to do, subject by subject, n rising.
@@ -431,7 +436,17 @@ impl Convergence {
             "asymptotic_hi",
             "expected_slope",
         ];
-        let ranks = ["integrand", "rank", "subject", "n", "var_predicted", "var_shifted", "var_observed", "n_random"];
+        let ranks = [
+            "integrand",
+            "rank",
+            "rank_shifted",
+            "subject",
+            "n",
+            "var_predicted",
+            "var_shifted",
+            "var_observed",
+            "n_random",
+        ];
         let largest = "at the largest n, from the least variance, with the random points that would do as well";
         [
             report::some_columns("variance", &variances, &tables::variances(self)),

@@ -20,6 +20,7 @@ use spectrum::{Power, Spectrum};
 /// What a spectrum predicts.
 #[derive(Debug)]
 pub struct Predicted {
+    spec: String,
     subject: String,
     n: f64,
     dim: usize,
@@ -142,6 +143,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
         }
     }
     Ok(Predicted {
+        spec: spec.into(),
         subject: spectrum.subject,
         n,
         dim,
@@ -209,8 +211,13 @@ impl Predicted {
     /// Writes `variance.csv` and `summary.json` into `dir`, as `report::write` does.
     ///
     /// # Errors
-    /// As `report::write`.
+    /// As `report::write`; a directory that the spectrum was read from.
     pub fn write(&self, dir: &Path, parameters: &[(String, serde_json::Value)], force: bool) -> Result<Vec<PathBuf>> {
+        let place = |path: &Path| path.canonicalize().ok();
+        if place(dir).is_some() && place(dir) == place(Path::new(&self.spec)) {
+            let reason = "holds the spectrum that is read, and would be replaced; expected another directory";
+            return Err(Error::setting(Setting::Out, dir.display(), reason));
+        }
         report::write_files(dir, force, |files| {
             files.add("variance.csv", |file| file.write_all(&self.table().csv()?));
             let names: Vec<_> = files.names().into_iter().chain([report::SUMMARY]).collect();
