@@ -147,6 +147,8 @@ settings! {
     Projections = "projections",
     /// Numbers of points of the prefixes that are measured.
     Prefixes = "prefixes",
+    /// The spectrum that errors of integrals are predicted from.
+    PowerFrom = "p",
     /// Figures that are drawn again.
     Figures = "figures",
     /// Names of results in a legend.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use pairwave::analysis::{self, Plan};
 use pairwave::compute::Device;
 use pairwave::control::Control;
+use pairwave::prediction::Predicted;
 use pairwave::request::{Request, shell_words};
 use pairwave::source::{AllAxes, Points};
 use pairwave::survey::{self, Prefixes, Views};
@@ -128,6 +129,31 @@ impl Analyze {
         self
     }
 
+    /// Says and writes what was predicted without points.
+    pub(crate) fn predicted(&self, found: &Predicted) -> Result<()> {
+        let without = [
+            (Setting::Prefixes, self.prefixes.is_some()),
+            (Setting::Projections, self.projections),
+            (Setting::Force, self.force && self.out.is_none()),
+        ];
+        if let Some((setting, _)) = without.into_iter().find(|(_, given)| *given) {
+            let reason = match setting {
+                Setting::Force => "needs `out`: without it nothing is written",
+                _ => "is of points, and `p` predicts without them",
+            };
+            return Err(Error::setting(setting, "(given)", reason));
+        }
+        if !self.quiet {
+            found.warnings.iter().for_each(|warning| warn(warning));
+            print(&found.text())?;
+        }
+        let Some(out) = self.out.as_ref().filter(|_| !self.explain) else { return Ok(()) };
+        let parameters = [("command".to_string(), command_line().into())];
+        let files = uninterrupted(|| found.write(out, &parameters, self.force))?;
+        let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
+        if self.quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
+    }
+
     /// What is looked at besides the points as they are.
     fn views(&self) -> Option<Views> {
         let many = self.request.input.sampler.is_some() && self.request.input.dim.is_some_and(|dim| dim > 3);
@@ -180,12 +206,12 @@ fn plot_columns() -> Option<usize> {
 }
 
 /// Says a warning, with settings under the names of their flags.
-fn warn(warning: &str) {
+pub(super) fn warn(warning: &str) {
     tell(&format!("warning: {}", Setting::renamed(warning, Setting::flag)));
 }
 
 /// What was typed.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     shell_words(std::iter::once("pairwave".to_string()).chain(arguments))
 }

@@ -2,6 +2,7 @@
 
 mod analyze;
 mod completions;
+mod convergence;
 mod devices;
 mod integrands;
 mod integrate;
@@ -23,6 +24,8 @@ pub(crate) enum Command {
     Analyze(Box<analyze::Analyze>),
     /// Predict and observe errors of integrals over the points
     Integrate(Box<integrate::Integrate>),
+    /// Measure how errors of integrals fall with the number of points
+    Convergence(Box<convergence::Convergence>),
     /// Draw results again, several in one figure, without computing
     Plot(Box<plot::Plot>),
     /// Write realizations of a sampler to a file
@@ -46,6 +49,7 @@ impl Command {
             Self::Completions(completions) => completions.run(command),
             Self::Analyze(analyze) => analyze.run(),
             Self::Integrate(integrate) => integrate.run(),
+            Self::Convergence(convergence) => convergence.run(),
             Self::Plot(plot) => plot.run(),
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),

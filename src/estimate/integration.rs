@@ -126,7 +126,7 @@ pub struct ModeShare {
 const TOP: usize = 100;
 
 /// A tail that is no more than rounding.
-const COMPLETE: f64 = 1e-12;
+pub(super) const COMPLETE: f64 = 1e-12;
 
 impl IntegrationErrors {
     /// Of the sums.
@@ -155,6 +155,16 @@ impl IntegrationErrors {
             realizations: counted.len() as u64,
             left_out: (sums.realizations.len() - counted.len()) as u64,
         })
+    }
+}
+
+impl IntegrationErrors {
+    /// What the predictions for an integrand come to: by pairs where all are summed, else by power with its tail.
+    pub fn predicted(&self, e: &IntegrationError) -> Measured {
+        match e.spatial.filter(|_| self.pairs == PairSum::Exact) {
+            Some(spatial) => spatial,
+            None => e.closed,
+        }
     }
 }
 
@@ -236,7 +246,7 @@ fn one(
         spectral: predicted,
         tail: mean(&tails)?,
         tail_axes: mean(&axes)?,
-        tail_bound: mean(&rests)? * highest_excess(totals),
+        tail_bound: mean(&rests)? * highest_excess(plan, totals.power, totals.axes, totals.points),
         tail_share: if v0 > 0.0 { rest / v0 } else { 0.0 },
         closed: all,
         count_term: mean(&count)?,
@@ -289,28 +299,28 @@ fn single_errors(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, c: f6
     [grid, grid + axes].map(|sum| c * c * sum.sqrt())
 }
 
-/// How far P is from 1 where the grid ends: the largest, over directions, of means over its outermost tenth, and along axes.
-fn highest_excess(totals: &Totals<'_>) -> f64 {
-    let Some(grid) = totals.plan.grid.waves.grid() else { return 1.0 };
+/// How far P is from 1 where the grid ends: the largest, over directions, of means over its outermost tenth, and along axes. `power` over
+/// `level` is P; what is not finite is not known.
+pub(super) fn highest_excess(plan: &IntegrationPlan, power: &[f64], axes: &[Vec<f64>], level: f64) -> f64 {
+    let Some(grid) = plan.grid.waves.grid() else { return 1.0 };
     let frequencies = grid.max_frequency();
     const DIRECTIONS: usize = 16;
     let (mut sums, mut counts) = ([0.0; DIRECTIONS], [0.0; DIRECTIONS]);
-    for (index, q) in totals.power.iter().enumerate() {
+    for (index, q) in power.iter().enumerate() {
         let m = grid.mode(index);
         let out = (0..grid.dim()).map(|a| f64::from(m[a].abs()) / f64::from(frequencies[a])).fold(0.0, f64::max);
-        if out > 0.9 {
+        if out > 0.9 && q.is_finite() {
             let angle = f64::from(m[1]).atan2(f64::from(m[0])).rem_euclid(std::f64::consts::PI);
             let at = ((angle / std::f64::consts::PI * DIRECTIONS as f64) as usize).min(DIRECTIONS - 1);
             sums[at] += q;
             counts[at] += 1.0;
         }
     }
-    let level = totals.points;
     let far = |sum: f64, count: f64| if count > 0.0 { (sum / count / level - 1.0).abs() } else { 0.0 };
     let around = sums.iter().zip(counts).map(|(sum, count)| far(*sum, count)).fold(0.0, f64::max);
-    let along = totals.axes.iter().map(|axis| {
-        let end = &axis[axis.len() * 9 / 10..];
-        far(end.iter().sum(), end.len() as f64)
+    let along = axes.iter().map(|axis| {
+        let end = axis[axis.len() * 9 / 10..].iter().filter(|q| q.is_finite());
+        far(end.clone().sum(), end.count() as f64)
     });
     along.fold(around, f64::max)
 }

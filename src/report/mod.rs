@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 
 pub use headline::headline;
 pub use integrand_picture::draw_integrands;
+pub(crate) use plot::Stored;
 pub use plot::{Format, Plot, Plotted};
 pub(crate) use png::encode as png;
 pub(crate) use result_dir::Files;
@@ -43,7 +44,13 @@ pub(crate) const SUMMARY: &str = "summary.json";
 
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
-    outputs::all().iter().map(|output| output.name).chain(OF_SURVEYS).chain([PAGE, SUMMARY]).collect()
+    outputs::all()
+        .iter()
+        .map(|output| output.name)
+        .chain(OF_SURVEYS)
+        .chain(OF_CONVERGENCE)
+        .chain([PAGE, SUMMARY])
+        .collect()
 }
 
 /// What a survey writes.
@@ -58,6 +65,9 @@ const OF_SURVEYS: [&str; 9] = [
     "prefixes.svg",
     "prefixes_radial.svg",
 ];
+
+/// What a run over numbers of points writes.
+const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv", "convergence.svg"];
 
 /// Writes files of the names that a result may have, as `write` does.
 ///

@@ -223,6 +223,7 @@ impl Setting {
             Self::Force => "--force",
             Self::Projections => "--projections",
             Self::Prefixes => "--prefixes",
+            Self::PowerFrom => "--p",
             Self::Tolerance => "--tolerance",
             Self::Figures => "--figure",
             Self::Labels => "--labels",

@@ -74,6 +74,61 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     std::fs::create_dir(scratch.path("taken")).unwrap();
     scratch.file("taken/summary.json", "{}");
     let table: &[(&str, i32, &str)] = &[
+        (
+            "convergence --sampler sobol -n 4 --integrand disk --device cpu",
+            2,
+            "-n 4: a slope needs two numbers of points; expected more, as in 2^4..2^12",
+        ),
+        (
+            "convergence --sampler sobol --sampler sobol -n 4..16 --integrand disk --device cpu",
+            2,
+            "--sampler sobol: is given twice",
+        ),
+        (
+            "convergence --sampler jittered --sampler sobol -n 4..16 --param r=3 --integrand disk --device cpu",
+            2,
+            "--param r=3: none of jittered, sobol has this parameter; expected key=value of one of them",
+        ),
+        (
+            "convergence --sampler sobol -n 4..16 --device cpu",
+            2,
+            "--integrand (none): expected an integrand such as disk or box:x0=0.2,x1=0.7; `pairwave integrands` lists them",
+        ),
+        (
+            "convergence ok.csv --integrand disk --device cpu",
+            2,
+            "FILES ok.csv: a slope needs two numbers of points; expected a file or folder of realizations for each, or --prefixes of one",
+        ),
+        (
+            "convergence ok.csv ./ok.csv --integrand disk --device cpu",
+            1,
+            "./ok.csv: has 3 points per realization like ok.csv; expected one group of files for each number",
+        ),
+        (
+            "convergence ok.csv --prefixes 2,4 --integrand disk --device cpu",
+            2,
+            "--prefixes 4: a realization has only 3 points",
+        ),
+        (
+            "integrate --p nest --integrand disk",
+            1,
+            "nest: has no summary.json; expected a directory written by pairwave analyze --out, with its summary.json",
+        ),
+        (
+            "integrate --p jittered --integrand disk",
+            2,
+            "-n (none): a sampler needs a number of points; --p is jittered",
+        ),
+        (
+            "integrate --p poisson-disk -n 64 --integrand disk",
+            2,
+            "--p poisson-disk: P of poisson-disk is not known in closed form at n = 64; expected another sampler, or the directory of a result (`pairwave analyze` --sampler poisson-disk --out DIR)",
+        ),
+        (
+            "integrate --p jittered -n 64 -k 3 --integrand disk",
+            2,
+            "--p jittered: takes no points; expected -n, --dim, --param, --estimator and --max-frequency beside it, not -k 3",
+        ),
         ("analyze ok.csv --window-polygon missing.wkt", 1, "missing.wkt: No such file or directory (os error 2)"),
         (
             "analyze ok.csv --window-polygon half.wkt",

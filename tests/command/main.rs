@@ -6,6 +6,7 @@ mod common;
 
 mod analyze;
 mod convention;
+mod convergence;
 mod envelope;
 mod errors;
 mod examples;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 26] = [
+pub const FLOORS: [&str; 28] = [
     "setting",
     "named",
     "sinc",
@@ -30,6 +30,8 @@ pub const FLOORS: [&str; 26] = [
     "report",
     "analysis",
     "survey",
+    "convergence",
+    "prediction",
     "command",
 ];
 

@@ -19,7 +19,8 @@ use crate::named::named;
 use crate::setting::Setting;
 use crate::stage;
 use crate::statistics::axes::{DRAWN, Drawn, Level, Values};
-use result::{Curve, Stored};
+use result::Curve;
+pub(crate) use result::Stored;
 
 /// What is drawn, of which results, and how.
 #[derive(Debug, Clone, Default, PartialEq)]

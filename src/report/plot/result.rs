@@ -13,13 +13,13 @@ use crate::report::SUMMARY;
 use crate::statistics::axes::{DRAWN, Drawn};
 
 /// A directory that holds a result.
-pub(super) struct Stored {
+pub(crate) struct Stored {
     pub(super) dir: PathBuf,
     summary: Json,
 }
 
 /// A table as text.
-pub(super) struct Columns {
+pub(crate) struct Columns {
     path: PathBuf,
     header: Vec<String>,
     rows: Vec<csv::StringRecord>,
@@ -51,7 +51,7 @@ const COMPARED: [(&str, &str); 14] = [
 
 impl Stored {
     /// Reads the summary of a result.
-    pub(super) fn open(dir: &Path) -> Result<Self> {
+    pub(crate) fn open(dir: &Path) -> Result<Self> {
         let path = dir.join(SUMMARY);
         let no_result = |found: &str| {
             let reason = format!("{found}; expected a directory written by pairwave analyze `out`, with its {SUMMARY}");
@@ -70,8 +70,13 @@ impl Stored {
         }
     }
 
+    /// A value of the summary, by its pointer.
+    pub(crate) fn value(&self, pointer: &str) -> Option<&Json> {
+        self.summary.pointer(pointer)
+    }
+
     /// A table of it, if it is there.
-    pub(super) fn table(&self, name: &str) -> Result<Option<Columns>> {
+    pub(crate) fn table(&self, name: &str) -> Result<Option<Columns>> {
         let path = self.dir.join(name);
         let text = match std::fs::read(&path) {
             Ok(text) => text,
@@ -224,7 +229,7 @@ impl Columns {
     }
 
     /// A column of numbers, if it is there, where its rows are of one curve.
-    pub(super) fn column(&self, name: &str) -> Result<Option<Vec<Option<f64>>>> {
+    pub(crate) fn column(&self, name: &str) -> Result<Option<Vec<Option<f64>>>> {
         let Some(column) = self.find(name) else { return Ok(None) };
         (0..self.rows.len()).map(|row| self.number(row, column)).collect::<Result<_>>().map(Some)
     }

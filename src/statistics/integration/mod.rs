@@ -42,14 +42,6 @@ fn row(e: &IntegrationError) -> Value {
     })
 }
 
-/// What the predictions come to: by pairs where all are summed, else by power.
-fn predicted(e: &IntegrationError, by_pairs: bool) -> Measured {
-    match e.spatial.filter(|_| by_pairs) {
-        Some(spatial) => spatial,
-        None => e.closed,
-    }
-}
-
 impl Room for Here {
     fn plan(&self, ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
         sums::plan(ask, parts)
@@ -118,9 +110,8 @@ impl Room for Here {
 
     fn scalars(&self, a: &Analysis) -> Vec<Row> {
         let Some(found) = a.integration() else { return Vec::new() };
-        let by_pairs = tables::method(found) == "pairs";
         let row = |e: &IntegrationError| {
-            let all = predicted(e, by_pairs);
+            let all = found.predicted(e);
             let gain = e.v0 / all.value;
             let as_many = if all.value > 0.0 { format!("; as {} random points", human(gain)) } else { String::new() };
             let text = format!(
@@ -143,9 +134,8 @@ impl Room for Here {
 
     fn headline(&self, a: &Analysis) -> Vec<String> {
         let Some(found) = a.integration() else { return Vec::new() };
-        let by_pairs = tables::method(found) == "pairs";
         let line = |e: &IntegrationError| {
-            let all = predicted(e, by_pairs);
+            let all = found.predicted(e);
             let observed = e.observed.map_or("undefined".into(), |o| with_error(o.value, o.se));
             format!(
                 "{}: I {} (bias {}), variance predicted {}, shifted {}, as is {observed}{}",

@@ -1,0 +1,531 @@
+//! The variance of integrals against the number of points: of samplers, of files of one number of points each, of prefixes. Every number of
+//! points is measured like points of its own; kept of it are the variances. See `docs/convergence.md`.
+
+mod figure;
+mod tables;
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use xxhash_rust::xxh3::xxh3_64_with_seed;
+
+use crate::analysis::{self, Plan};
+use crate::compute::Device;
+use crate::control::{Control, Progress};
+use crate::error::{Error, Result, number};
+use crate::estimate::{
+    Analysis, Measured, PowerLaw, SpectrumDetails, VarianceAt, expected_slope, isotropic_exponent, local_slopes,
+};
+use crate::integrand::Integrand;
+use crate::plan::Estimator;
+use crate::report;
+use crate::request::{Request, Statistic};
+use crate::samplers::{Entry, ParameterValues, Process, find};
+use crate::setting::Setting;
+use crate::source::{AllAxes, Points};
+use crate::survey::Prefixes;
+
+/// What the points are.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Subjects {
+    /// Samplers, `NAME` or `NAME:key=value,...`, at numbers of points. Parameters of the request go to each that has them.
+    Samplers(Vec<String>, Prefixes),
+    /// Files, folders or patterns, each with all realizations of one number of points.
+    Groups(Vec<PathBuf>),
+    /// The first points of the realizations in the files of the request.
+    Prefixes(Prefixes),
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct Convergence {
+    /// Samplers, or what the files are called.
+    subjects: Vec<Subject>,
+    integrands: Vec<Integrand>,
+    dim: usize,
+    /// Of each subject and integrand one after the other, n rising.
+    curves: Vec<Curve>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    device: String,
+}
+
+/// Whose points they are.
+#[derive(Debug)]
+struct Subject {
+    name: String,
+    /// b of its power at low frequency, `P ~ nu^b`, at the largest n, and its 95 % interval where it was measured.
+    exponent: Option<f64>,
+    exponent_interval: Option<[f64; 2]>,
+    /// Whether the count of points adds a term that falls like 1/n.
+    counts: bool,
+}
+
+/// V(n) of a subject and an integrand.
+#[derive(Debug)]
+struct Curve {
+    subject: usize,
+    integrand: usize,
+    points: Vec<At>,
+    slopes: Vec<Slope>,
+}
+
+/// At a number of points.
+#[derive(Debug, Clone)]
+struct At {
+    n: f64,
+    k: u64,
+    /// The seed of its realizations, of samplers.
+    seed: Option<u64>,
+    observed: Option<Measured>,
+    shifted: Measured,
+    predicted: Measured,
+    /// Of the predicted variance, from the number of points before.
+    local: Option<Measured>,
+}
+
+/// A fit.
+#[derive(Debug)]
+struct Slope {
+    variance: &'static str,
+    law: Option<PowerLaw>,
+    asymptote: Option<PowerLaw>,
+}
+
+/// The variances that are fitted.
+const VARIANCES: [&str; 3] = ["predicted", "shifted", "observed"];
+
+impl At {
+    fn of(&self, variance: &str) -> Option<Measured> {
+        match variance {
+            "predicted" => Some(self.predicted),
+            "shifted" => Some(self.shifted),
+            _ => self.observed,
+        }
+    }
+}
+
+/// The seed of realizations of `n` points: sets of different n are independent, those of a sequence too. Below 2^53, so that every program
+/// reads it as it is.
+fn seed_at(seed: u64, n: u64) -> u64 {
+    xxh3_64_with_seed(&n.to_le_bytes(), seed) >> 11
+}
+
+/// Points of one subject at one n.
+struct Task {
+    subject: usize,
+    /// n, about: what the work grows with.
+    n: f64,
+    seed: Option<u64>,
+    open: Box<dyn Fn(&Control) -> Result<Points>>,
+    /// Whether P is measured for the exponent at low frequency.
+    measures_power: bool,
+}
+
+/// Measures.
+///
+/// # Errors
+/// What the samplers, the files, the plans or the device say; fewer than two numbers of points; `Error::Cancelled`.
+pub fn run(
+    subjects: &Subjects,
+    request: &Request,
+    device: &Device,
+    control: &Control,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Convergence> {
+    if request.integrand.is_empty() {
+        let reason = "expected an integrand such as disk or box:x0=0.2,x1=0.7; `pairwave integrands` lists them";
+        return Err(Error::setting(Setting::Integrand, "(none)", reason));
+    }
+    let mut warnings = Vec::new();
+    let (found, tasks) = match subjects {
+        Subjects::Samplers(specs, numbers) => samplers(specs, numbers, request, &mut warnings)?,
+        Subjects::Groups(groups) => files(groups, request, control, &mut warnings)?,
+        Subjects::Prefixes(numbers) => prefixes(numbers, request, control, &mut warnings)?,
+    };
+    let (mut subjects, mut dim, mut integrands) = (found, 2, Vec::new());
+    let mut curves: Vec<Curve> = Vec::new();
+    let all: f64 = tasks.iter().map(|task| task.n).sum();
+    let (mut before, mut said) = (0.0, Vec::<(String, String, u64)>::new());
+    let total = tasks.len() as u64;
+    for (done, task) in tasks.iter().enumerate() {
+        control.check()?;
+        let part = task.n / all;
+        let points = Arc::new((task.open)(control)?);
+        let mut asked = request.clone();
+        asked.stats = if task.measures_power { vec![Statistic::Radial] } else { Vec::new() };
+        asked.input.sampler = None;
+        let plan = Plan::of(&asked, &points)?.for_device(device.compute());
+        let mut told = |p: Progress| {
+            progress(Progress {
+                done: done as u64,
+                total,
+                before: before + part * p.before,
+                piece: part * p.piece,
+                planned: p.planned / part,
+                ..p
+            });
+        };
+        let analysis = analysis::run(&asked, points, plan, device, control, &mut told)?;
+        before += part;
+        let name = format!("{}, n = {}", subjects[task.subject].name, number(analysis.shape.mean_points));
+        for text in &analysis.warnings {
+            match said.iter_mut().find(|other| other.1 == *text) {
+                Some(other) => other.2 += 1,
+                None => said.push((name.clone(), text.clone(), 0)),
+            }
+        }
+        let nothing = || Error::input(&name, "no realization has points to integrate with");
+        let errors = analysis.integration().ok_or_else(nothing)?;
+        if task.measures_power {
+            let low = analysis.get::<SpectrumDetails>().and_then(|details| details.scalars.low_frequency);
+            subjects[task.subject].exponent = low.and_then(|low| low.exponent);
+            subjects[task.subject].exponent_interval = low.and_then(|low| low.exponent_interval);
+        }
+        subjects[task.subject].counts |= errors.estimator == Estimator::Lambda && varies(&analysis);
+        dim = analysis.domain.dim();
+        for (k, e) in errors.each.iter().enumerate() {
+            let at = At {
+                n: analysis.shape.mean_points,
+                k: errors.realizations,
+                seed: task.seed,
+                observed: e.observed,
+                shifted: or_nothing(e.shifted, e.v0 / analysis.shape.mean_points),
+                predicted: or_nothing(errors.predicted(e), e.v0 / analysis.shape.mean_points),
+                local: None,
+            };
+            match curves.iter_mut().find(|c| (c.subject, c.integrand) == (task.subject, k)) {
+                Some(curve) => curve.points.push(at),
+                None => {
+                    curves.push(Curve { subject: task.subject, integrand: k, points: vec![at], slopes: Vec::new() })
+                }
+            }
+        }
+        integrands = errors.each.iter().map(|e| e.integrand.clone()).collect();
+    }
+    curves.sort_by_key(|curve| (curve.subject, curve.integrand));
+    for curve in &mut curves {
+        curve.fit();
+        for slope in &curve.slopes {
+            let zeros = curve.points.iter().filter(|at| at.of(slope.variance).is_some_and(|v| v.value == 0.0)).count();
+            if zeros > 0 {
+                warnings.push(format!(
+                    "{}, {}: the {} variance is 0 at {zeros} of {} numbers of points, which are left out of its fit",
+                    subjects[curve.subject].name,
+                    integrands[curve.integrand].spec(),
+                    slope.variance,
+                    curve.points.len()
+                ));
+            }
+        }
+    }
+    let more = |more: u64| if more > 0 { format!(" and {more} more") } else { String::new() };
+    warnings.extend(said.into_iter().map(|(name, text, times)| format!("{name}{}: {text}", more(times))));
+    Ok(Convergence { subjects, integrands, dim, curves, warnings, device: device.computed_by().device() })
+}
+
+/// Whether the number of points does.
+fn varies(analysis: &Analysis) -> bool {
+    analysis.min_points != analysis.shape.max_points || analysis.shape.mean_points != analysis.shape.max_points as f64
+}
+
+/// 0 for what is rounding beside the variance of random points: a lattice integrates some functions exactly.
+fn or_nothing(measured: Measured, random: f64) -> Measured {
+    if measured.value > 1e-12 * random { measured } else { Measured { value: 0.0, se: Some(0.0) } }
+}
+
+/// What there is to do, subject by subject, n rising.
+type Tasks = (Vec<Subject>, Vec<Task>);
+
+/// Numbers of points are too few for a slope.
+fn too_few(what: &str) -> Error {
+    let reason = "a slope needs two numbers of points; expected more, as in 2^4..2^12";
+    Error::setting(Setting::Points, what, reason)
+}
+
+fn samplers(specs: &[String], numbers: &Prefixes, request: &Request, warnings: &mut Vec<String>) -> Result<Tasks> {
+    let (k, dim) = (request.input.realizations.unwrap_or(1), request.input.dim.unwrap_or(2));
+    let seed = request.input.seed.unwrap_or(1);
+    let parsed: Vec<(&str, &Entry, &str)> = specs
+        .iter()
+        .map(|spec| {
+            let (name, own) = spec.split_once(':').unwrap_or((spec, ""));
+            Ok((spec.as_str(), find(name.trim())?, own))
+        })
+        .collect::<Result<_>>()?;
+    if let Some(twice) = (1..specs.len()).find(|&k| specs[..k].contains(&specs[k])) {
+        return Err(Error::setting(Setting::Sampler, &specs[twice], "is given twice"));
+    }
+    let has = |entry: &Entry, param: &str| {
+        entry.all_parameters().any(|p| Some(p.name) == param.split_once('=').map(|(key, _)| key.trim()))
+    };
+    if let Some(param) = request.input.params.iter().find(|param| !parsed.iter().any(|(_, entry, _)| has(entry, param)))
+    {
+        let names: Vec<&str> = parsed.iter().map(|(_, entry, _)| entry.name).collect();
+        let reason = format!("none of {} has this parameter; expected key=value of one of them", names.join(", "));
+        return Err(Error::setting(Setting::Params, param, reason));
+    }
+    let (mut subjects, mut tasks) = (Vec::new(), Vec::new());
+    for (subject, (spec, entry, own)) in parsed.into_iter().enumerate() {
+        let own = own.split(',').filter(|own| !own.is_empty());
+        let shared = request.input.params.iter().map(String::as_str).filter(|param| has(entry, param));
+        let params: Vec<String> = own.chain(shared).map(String::from).collect();
+        let values = ParameterValues::parse(entry, &params)?;
+        let mut sizes: Vec<u64> = Vec::new();
+        let mut others = Vec::new();
+        for &n in numbers.numbers() {
+            let nearest = entry.nearest_size(n, dim);
+            if nearest != n {
+                others.push(format!("{nearest} for {n}"));
+            }
+            if sizes.last().is_none_or(|last| *last < nearest) {
+                sizes.push(nearest);
+            }
+        }
+        if !others.is_empty() {
+            warnings.push(format!("{spec}: n = {}, the nearest that it can make", others.join(", ")));
+        }
+        if sizes.len() < 2 {
+            let words: Vec<String> = sizes.iter().map(u64::to_string).collect();
+            return Err(too_few(&words.join(",")));
+        }
+        let mut exponent = None;
+        let mut closed = true;
+        for (place, &n) in sizes.iter().enumerate() {
+            // All that can be wrong is, before the first is measured.
+            let process = Process::of(entry, n, k, dim, seed_at(seed, n), &values)?;
+            let last = place + 1 == sizes.len();
+            if last {
+                closed = process.power([1, 0, 0]).is_some();
+                exponent = isotropic_exponent(|m| process.power(m), n as f64, dim);
+            }
+            let mut input = request.input.clone();
+            (input.files, input.sampler) = (Vec::new(), Some(entry.name.to_string()));
+            (input.points, input.seed, input.params) = (Some(n), Some(seed_at(seed, n)), params.clone());
+            let open = move |control: &Control| Points::open_with(&input, control);
+            let (n, seed) = (n as f64, Some(seed_at(seed, n)));
+            tasks.push(Task { subject, n, seed, open: Box::new(open), measures_power: last && !closed });
+        }
+        subjects.push(Subject { name: spec.into(), exponent, exponent_interval: None, counts: false });
+    }
+    Ok((subjects, tasks))
+}
+
+fn files(groups: &[PathBuf], request: &Request, control: &Control, warnings: &mut Vec<String>) -> Result<Tasks> {
+    if groups.len() < 2 {
+        let reason = "a slope needs two numbers of points; expected a file or folder of realizations for each, or `prefixes` of one";
+        let what = groups.first().map_or("(none)".into(), |group| group.display().to_string());
+        return Err(Error::setting(Setting::Files, what, reason));
+    }
+    let mut opened = Vec::new();
+    for group in groups {
+        let mut input = request.input.clone();
+        (input.files, input.sampler) = (vec![group.clone()], None);
+        let points = Points::open_with(&input, control)?;
+        points.warnings().iter().for_each(|warning| warnings.push(format!("{}: {warning}", group.display())));
+        opened.push((group, points.shape().mean_points, points.domain().dim(), input));
+    }
+    opened.sort_by(|a, b| a.1.total_cmp(&b.1));
+    for pair in opened.windows(2) {
+        let (a, b) = (pair[0].0.display(), pair[1].0.display());
+        if pair[0].1 == pair[1].1 {
+            let reason = format!(
+                "has {} points per realization like {a}; expected one group of files for each number",
+                pair[1].1
+            );
+            return Err(Error::input(b.to_string(), reason));
+        }
+        if pair[0].2 != pair[1].2 {
+            return Err(Error::input(b.to_string(), format!("is {}D; {a} is {}D", pair[1].2, pair[0].2)));
+        }
+    }
+    let name = format!("{} and {} more", opened[0].0.display(), opened.len() - 1);
+    let last = opened.len() - 1;
+    let task = |(place, (_, n, _, input)): (usize, (&PathBuf, f64, usize, _))| {
+        let open = move |control: &Control| Points::open_with(&input, control);
+        Task { subject: 0, n, seed: None, open: Box::new(open), measures_power: place == last }
+    };
+    let subject = Subject { name, exponent: None, exponent_interval: None, counts: false };
+    Ok((vec![subject], opened.into_iter().enumerate().map(task).collect()))
+}
+
+fn prefixes(numbers: &Prefixes, request: &Request, control: &Control, warnings: &mut Vec<String>) -> Result<Tasks> {
+    let points = Arc::new(AllAxes::open(&request.input, request.memory(), control)?);
+    let (n, fewest) = (numbers.largest(), points.fewest());
+    if n > fewest {
+        return Err(Error::setting(Setting::Prefixes, n, format!("a realization has only {fewest} points")));
+    }
+    if numbers.numbers().len() < 2 {
+        let reason = "a slope needs two numbers of points; expected more, as in 2^4..2^12";
+        return Err(Error::setting(Setting::Prefixes, n, reason));
+    }
+    if points.dim() > 3 {
+        let reason = format!("expected points of 1 to 3 coordinates, these have {}; `columns` chooses", points.dim());
+        return Err(Error::input(points.subject(), reason));
+    }
+    warnings.extend(points.warnings().iter().cloned());
+    warnings.push("prefixes are the same points again and again: slopes are right on average, their intervals are not, which take every n as independent".into());
+    let axes: Vec<usize> = (0..points.dim()).collect();
+    let task = |&n: &u64| {
+        let (points, axes) = (points.clone(), axes.clone());
+        let open = move |_: &Control| points.view(&axes, Some(n));
+        Task { subject: 0, n: n as f64, seed: None, open: Box::new(open), measures_power: n == numbers.largest() }
+    };
+    let tasks = numbers.numbers().iter().map(task).collect();
+    let name = points.subject().to_string();
+    Ok((vec![Subject { name, exponent: None, exponent_interval: None, counts: false }], tasks))
+}
+
+impl Curve {
+    /// The points of one of its variances.
+    fn of(&self, variance: &str) -> Vec<VarianceAt> {
+        self.points.iter().filter_map(|at| Some(VarianceAt { n: at.n, variance: at.of(variance)? })).collect()
+    }
+
+    fn fit(&mut self) {
+        let locals = local_slopes(&self.of("predicted"));
+        self.points.iter_mut().zip(locals).for_each(|(at, local)| at.local = local);
+        let slope = |variance: &'static str| {
+            let points = self.of(variance);
+            Slope { variance, law: PowerLaw::fit(&points), asymptote: PowerLaw::asymptote(&points) }
+        };
+        self.slopes = VARIANCES.map(slope).into();
+    }
+}
+
+impl Convergence {
+    /// The exponent that counts at low frequency.
+    fn exponent(&self, curve: &Curve) -> Option<f64> {
+        let subject = &self.subjects[curve.subject];
+        let counted = subject.counts && self.integrands[curve.integrand].integral() != 0.0;
+        if counted { Some(0.0) } else { subject.exponent }
+    }
+
+    /// The slope to be expected.
+    fn expected(&self, curve: &Curve) -> Option<f64> {
+        Some(expected_slope(self.exponent(curve)?, self.integrands[curve.integrand].smoothness(), self.dim))
+    }
+
+    /// The variances, the slopes and the ranks, for a terminal.
+    pub fn text(&self) -> String {
+        let variances = [
+            "subject",
+            "integrand",
+            "n",
+            "k",
+            "var_observed",
+            "var_observed_se",
+            "var_shifted",
+            "var_shifted_se",
+            "var_predicted",
+            "var_predicted_se",
+            "local_slope",
+        ];
+        let slopes = [
+            "subject",
+            "integrand",
+            "variance",
+            "slope",
+            "slope_lo",
+            "slope_hi",
+            "chi2_per_dof",
+            "asymptotic_slope",
+            "asymptotic_lo",
+            "asymptotic_hi",
+            "expected_slope",
+        ];
+        let ranks = [
+            "integrand",
+            "rank",
+            "rank_shifted",
+            "subject",
+            "n",
+            "var_predicted",
+            "var_shifted",
+            "var_observed",
+            "n_random",
+        ];
+        let largest = "at the largest n, from the least variance, with the random points that would do as well";
+        [
+            report::some_columns("variance", &variances, &tables::variances(self)),
+            report::some_columns("slopes of ln V on ln n, 95 % intervals", &slopes, &tables::slopes(self)),
+            report::some_columns(largest, &ranks, &tables::ranks(self)),
+        ]
+        .join("\n")
+    }
+
+    /// Writes tables, the figure and the summary into `dir`, as `report::write` does.
+    ///
+    /// # Errors
+    /// As `report::write`.
+    pub fn write(&self, dir: &Path, parameters: &[(String, Value)], force: bool) -> Result<Vec<PathBuf>> {
+        report::write_files(dir, force, |files| {
+            files.add("convergence.csv", |file| file.write_all(&tables::variances(self).csv()?));
+            files.add("slopes.csv", |file| file.write_all(&tables::slopes(self).csv()?));
+            files.add("ranks.csv", |file| file.write_all(&tables::ranks(self).csv()?));
+            files.add("convergence.svg", |file| file.write_all(figure::svg(self).as_bytes()));
+            let names: Vec<_> = files.names().into_iter().chain([report::SUMMARY]).collect();
+            let out = self.summary(parameters, &names);
+            files.add(report::SUMMARY, |file| {
+                serde_json::to_writer_pretty(&mut *file, &out).map_err(io::Error::other)?;
+                file.write_all(b"\n")
+            });
+        })
+    }
+
+    fn summary(&self, parameters: &[(String, Value)], names: &[&str]) -> Value {
+        let law = |law: &Option<PowerLaw>| {
+            law.as_ref().map(|law| {
+                json!({
+                    "slope": law.slope,
+                    "slope_se": law.slope_se,
+                    "interval": law.interval,
+                    "chi2_per_dof": law.chi2_per_dof,
+                    "points": law.points,
+                    "zeros": law.zeros,
+                    "range": law.range,
+                })
+            })
+        };
+        let subject = |s: &Subject| json!({ "name": s.name, "low_frequency_exponent": s.exponent, "interval": s.exponent_interval });
+        let slopes = |curve: &Curve| -> Value {
+            let fit = |s: &Slope| json!({ "variance": s.variance, "fit": law(&s.law), "asymptote": law(&s.asymptote) });
+            let smoothness = self.integrands[curve.integrand].smoothness();
+            json!({
+                "subject": self.subjects[curve.subject].name,
+                "integrand": self.integrands[curve.integrand].spec(),
+                "fits": curve.slopes.iter().map(fit).collect::<Vec<_>>(),
+                "expected_slope": self.expected(curve),
+                "low_frequency_exponent": self.exponent(curve),
+                "smoothness": smoothness.is_finite().then_some(smoothness),
+            })
+        };
+        let parameters: serde_json::Map<_, _> = parameters.iter().cloned().collect();
+        json!({
+            "schema": report::SCHEMA,
+            "program": env!("CARGO_PKG_NAME"),
+            "version": env!("CARGO_PKG_VERSION"),
+            "convergence": self.subjects.iter().map(subject).collect::<Vec<_>>(),
+            "parameters": parameters,
+            "d": self.dim,
+            "slopes": self.curves.iter().map(slopes).collect::<Vec<_>>(),
+            "device": self.device,
+            "warnings": self.warnings,
+            "files": names,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_of_points_has_a_seed_of_its_own() {
+        let seeds: std::collections::BTreeSet<u64> = (1..1000).flat_map(|n| [seed_at(1, n), seed_at(2, n)]).collect();
+        assert_eq!(seeds.len(), 1998);
+        assert!(seeds.iter().all(|seed| *seed < 1 << 53));
+    }
+}
