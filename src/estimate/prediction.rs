@@ -57,20 +57,22 @@ impl Prediction {
         let excess = highest_excess(plan, &around, &along, 1.0);
         let one = |(integrand, table): (&Integrand, &crate::plan::IntegrandTable)| {
             let v0 = integrand.variance().max(0.0);
-            let (mut inside, mut sum, mut squares) = (0.0, 0.0, 0.0);
-            let mut add = |f: f64, p: f64, times: f64| {
+            let (mut inside, mut sums, mut squares) = (0.0, [0.0; 2], 0.0);
+            // Of the grid, and along axes beyond it.
+            let mut add = |part: usize, f: f64, p: f64, times: f64| {
                 if p.is_finite() {
                     inside += f;
-                    sum += f * p;
+                    sums[part] += f * p;
                     squares += (f * p).powi(2) / times;
                 }
             };
             for (k, (f, p)) in table.grid.iter().zip(&around).enumerate() {
-                add(*f, *p, f64::from(grid.multiplicity(k)));
+                add(0, *f, *p, f64::from(grid.multiplicity(k)));
             }
             for (of_axis, p) in table.axes.iter().zip(&along) {
-                of_axis.iter().zip(p).for_each(|(f, p)| add(*f, *p, 2.0));
+                of_axis.iter().zip(p).for_each(|(f, p)| add(1, *f, *p, 2.0));
             }
+            let [sum, axes] = sums;
             let rest = v0 - inside;
             let rest = if rest.abs() <= COMPLETE * v0 { 0.0 } else { rest.max(0.0) };
             // A single measured power is twice as large in the square as its expectation.
@@ -79,7 +81,7 @@ impl Prediction {
                 integrand: integrand.clone(),
                 v0,
                 spectral: Measured { value: sum / n, se },
-                tail: rest / n,
+                tail: (axes + rest) / n,
                 tail_bound: rest / n * excess,
                 count_term: integrand.integral().powi(2) * count_variance / (n * n),
             }
