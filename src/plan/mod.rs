@@ -42,7 +42,7 @@ pub use covariance_plan::CovariancePlan;
 pub(crate) use covariance_plan::covariance_values;
 pub use discrepancy_plan::DiscrepancyPlan;
 pub use intensity_plan::{IntensityBandwidth, IntensityPlan, IntensitySearch};
-pub(crate) use intensity_plan::{axis_kernel, kernel_mass, scott};
+pub(crate) use intensity_plan::{KernelMass, axis_kernel, scott};
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelMethod, KernelPlan};
 pub(crate) use lag_plan::{DEFAULT_LAG_BINS, DEFAULT_LAG_RINGS};
