@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::accumulate::{IntensityScores, RealizationScores};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{IntensitySearch, axis_kernel, kernel_mass};
+use crate::plan::{IntensitySearch, KernelMass, axis_kernel};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -45,18 +45,19 @@ fn realization(
     let side = |a: usize| domain.is_torus().then(|| domain.sides()[a]);
     // Evenly spread over their order.
     let looked_at = n.min(search.points);
-    let log = |which: usize, bandwidth: f64| {
+    let log = |which: usize, bandwidth: f64, mass: &KernelMass<'_>| {
         let i = which * n / looked_at.max(1);
         let kernel =
             |j: usize| -> f64 { (0..dim).map(|a| axis_kernel(axes[a][i] - axes[a][j], bandwidth, side(a))).product() };
         let place: Vec<f64> = axes.iter().map(|axis| axis[i]).collect();
         let others: f64 = (0..n).filter(|&j| j != i).map(kernel).sum();
         // A lone point far from all others is as unlikely as f64 can say.
-        (others / kernel_mass(domain, &place, bandwidth)).max(f64::MIN_POSITIVE).ln()
+        (others / mass.at(&place)).max(f64::MIN_POSITIVE).ln()
     };
     let total = |&bandwidth: &f64| {
         control.check()?;
-        let each: Vec<f64> = (0..looked_at).into_par_iter().map(|which| log(which, bandwidth)).collect();
+        let mass = KernelMass::new(domain, bandwidth);
+        let each: Vec<f64> = (0..looked_at).into_par_iter().map(|which| log(which, bandwidth, &mass)).collect();
         // As if all had been looked at.
         Ok(each.iter().sum::<f64>() * n as f64 / looked_at.max(1) as f64)
     };

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -106,50 +107,112 @@ fn between(at: f64, [low, high]: [f64; 2], bandwidth: f64) -> f64 {
     0.5 * (libm::erf(z(high)) - libm::erf(z(low)))
 }
 
-/// The part of the kernel about a place, given from the lower corner of the domain, that is in the domain.
-pub(crate) fn kernel_mass(domain: &Domain, place: &[f64], bandwidth: f64) -> f64 {
-    match (domain.as_polygon(), place) {
-        _ if domain.is_torus() => 1.0,
-        (Some(polygon), &[x, y]) => {
-            let [x0, y0] = [domain.origin()[0], domain.origin()[1]];
-            polygon_mass(polygon, [x0 + x, y0 + y], bandwidth)
+/// The part of a kernel about a place that is in the domain. Over a polygon it is exact along x, and by Gauss's rule of three nodes
+/// along y, in steps of at most a quarter of a bandwidth that end at every vertex: to 1e-7.
+pub(crate) struct KernelMass<'a> {
+    domain: &'a Domain,
+    bandwidth: f64,
+    /// Of a polygon, its rows at the nodes, ascending.
+    rows: Vec<MassRow>,
+}
+
+/// A line through a polygon at a height from its lower corner.
+struct MassRow {
+    y: f64,
+    weight: f64,
+    /// Where sides cross it: 1 where the inside is to the left of them, else -1.
+    crossings: Vec<(f64, f64)>,
+}
+
+impl<'a> KernelMass<'a> {
+    pub(crate) fn new(domain: &'a Domain, bandwidth: f64) -> Self {
+        let rows = domain.as_polygon().map_or(Vec::new(), |polygon| polygon_rows(polygon, domain.origin(), bandwidth));
+        Self { domain, bandwidth, rows }
+    }
+
+    /// About a place given from the lower corner of the domain.
+    pub(crate) fn at(&self, place: &[f64]) -> f64 {
+        match place {
+            _ if self.domain.is_torus() => 1.0,
+            &[x, y] if self.domain.as_polygon().is_some() => {
+                let rows = self.reached(y);
+                self.total(y, rows.clone(), &self.along(x, rows))
+            }
+            _ => place
+                .iter()
+                .zip(self.domain.sides())
+                .map(|(&x, &side)| between(x, [0.0, side], self.bandwidth))
+                .product(),
         }
-        _ => place.iter().zip(domain.sides()).map(|(&x, &side)| between(x, [0.0, side], bandwidth)).product(),
+    }
+
+    /// The rows that a kernel at this height reaches.
+    fn reached(&self, y: f64) -> Range<usize> {
+        let reach = KERNEL_REACH * self.bandwidth;
+        self.rows.partition_point(|row| row.y < y - reach)..self.rows.partition_point(|row| row.y <= y + reach)
+    }
+
+    /// Per row, the part of a kernel along x that is inside.
+    fn along(&self, x: f64, rows: Range<usize>) -> Vec<f64> {
+        let part = |&(at, sign): &(f64, f64)| 0.5 * sign * libm::erf((at - x) / (self.bandwidth * SQRT_2));
+        self.rows[rows].iter().map(|row| row.crossings.iter().map(part).sum()).collect()
+    }
+
+    /// The sum over rows of what is inside along them.
+    fn total(&self, y: f64, rows: Range<usize>, along: &[f64]) -> f64 {
+        let row = |(row, inside): (&MassRow, &f64)| row.weight * inside * axis_kernel(row.y - y, self.bandwidth, None);
+        self.rows[rows].iter().zip(along).map(row).sum()
+    }
+
+    /// About the middles of all cells; 0 where they are outside a polygon.
+    fn on_grid(&self, plan: &IntensityPlan) -> Vec<f64> {
+        let Some(polygon) = self.domain.as_polygon() else {
+            let at = |cell: usize| self.at(&plan.middle(cell)[..self.domain.dim()]);
+            return (0..plan.cell_count()).into_par_iter().map(at).collect();
+        };
+        let column = |i: usize| {
+            let x = plan.middle_of(0, i);
+            let along = self.along(x, 0..self.rows.len());
+            let cell = |j: usize| {
+                let y = plan.middle_of(1, j);
+                let inside = polygon.contains_point([self.domain.origin()[0] + x, self.domain.origin()[1] + y]);
+                let rows = self.reached(y);
+                if inside { self.total(y, rows.clone(), &along[rows]) } else { 0.0 }
+            };
+            (0..plan.cells).map(cell).collect::<Vec<_>>()
+        };
+        (0..plan.cells).into_par_iter().flat_map_iter(column).collect()
     }
 }
 
-/// Over the polygon: exact along x, by Gauss's rule of three nodes along y, in steps of at most a quarter of a bandwidth that
-/// end at every vertex: to 1e-7.
-fn polygon_mass(polygon: &Polygon, [x, y]: [f64; 2], bandwidth: f64) -> f64 {
-    let reach = KERNEL_REACH * bandwidth;
-    let rings = || polygon.parts().iter().flatten();
-    let mut ends: Vec<f64> = rings().flatten().map(|v| v[1]).filter(|v| (v - y).abs() < reach).collect();
-    let all =
-        rings().flatten().map(|v| v[1]).fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
-    ends.extend([all[0].max(y - reach), all[1].min(y + reach)]);
+/// The rows of a polygon at the nodes along y.
+fn polygon_rows(polygon: &Polygon, origin: &[f64], bandwidth: f64) -> Vec<MassRow> {
+    let from_corner = |v: &[f64; 2]| [v[0] - origin[0], v[1] - origin[1]];
+    let rings: Vec<Vec<[f64; 2]>> =
+        polygon.parts().iter().flatten().map(|ring| ring.iter().map(from_corner).collect()).collect();
+    let mut ends: Vec<f64> = rings.iter().flatten().map(|v| v[1]).collect();
     ends.sort_unstable_by(f64::total_cmp);
-    let sides = || rings().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
-    // Sides that go down have the inside on their right: each side adds what is to its left, with its sign.
-    let row = |at: f64| -> f64 {
-        let crossing = |(a, b): (&[f64; 2], &[f64; 2])| {
-            ((a[1] > at) != (b[1] > at)).then(|| {
-                let x0 = a[0] + (b[0] - a[0]) * ((at - a[1]) / (b[1] - a[1]));
-                0.5 * libm::erf((x0 - x) / (bandwidth * SQRT_2)) * if b[1] > a[1] { 1.0 } else { -1.0 }
-            })
-        };
-        sides().filter_map(crossing).sum::<f64>() * axis_kernel(at - y, bandwidth, None)
-    };
+    ends.dedup();
     let node = 0.6f64.sqrt();
-    let slab = |w: &[f64]| -> f64 {
+    let slab = |w: &[f64]| {
         let steps = (4.0 * (w[1] - w[0]) / bandwidth).ceil();
-        let half = 0.5 * (w[1] - w[0]) / steps;
-        let step = |k: usize| {
-            let middle = w[0] + (2 * k + 1) as f64 * half;
-            half / 9.0 * (5.0 * (row(middle - node * half) + row(middle + node * half)) + 8.0 * row(middle))
-        };
-        (0..steps as usize).map(step).sum()
+        let (low, half) = (w[0], 0.5 * (w[1] - w[0]) / steps);
+        (0..steps as usize).flat_map(move |k| {
+            let middle = low + (2 * k + 1) as f64 * half;
+            [(-node, 5.0), (0.0, 8.0), (node, 5.0)].map(|(at, weight)| (middle + at * half, half * weight / 9.0))
+        })
     };
-    ends.windows(2).filter(|w| w[1] > w[0]).map(slab).sum()
+    let nodes: Vec<(f64, f64)> = ends.windows(2).flat_map(slab).collect();
+    let row = |(y, weight): (f64, f64)| {
+        let sides = rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
+        // What is inside is on the left of a side.
+        let crossing = |(a, b): (&[f64; 2], &[f64; 2])| {
+            let x = || a[0] + (b[0] - a[0]) * ((y - a[1]) / (b[1] - a[1]));
+            ((a[1] > y) != (b[1] > y)).then(|| (x(), if b[1] > a[1] { 1.0 } else { -1.0 }))
+        };
+        MassRow { y, weight, crossings: sides.filter_map(crossing).collect() }
+    };
+    nodes.into_par_iter().map(row).collect()
 }
 
 /// Scott's rule of points whose standard deviations multiply to `spread` to the power of d.
@@ -195,18 +258,7 @@ impl IntensityPlan {
 
     /// The same with another bandwidth.
     pub fn with_bandwidth(&self, bandwidth: f64) -> Self {
-        let inside = |place: &[f64]| match (self.domain.as_polygon(), place) {
-            (Some(polygon), &[x, y]) => {
-                polygon.contains_point([self.domain.origin()[0] + x, self.domain.origin()[1] + y])
-            }
-            _ => true,
-        };
-        let mass = |cell: usize| {
-            let place = self.middle(cell);
-            let place = &place[..self.domain.dim()];
-            if inside(place) { kernel_mass(&self.domain, place, bandwidth) } else { 0.0 }
-        };
-        let mass = (0..self.cell_count()).into_par_iter().map(mass).collect();
+        let mass = KernelMass::new(&self.domain, bandwidth).on_grid(self).into();
         Self { bandwidth, mass, ..self.clone() }
     }
 
@@ -304,11 +356,13 @@ mod tests {
         let square = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
         for bandwidth in [0.05, 0.2, 0.9] {
             for place in [[0.5, 0.5], [0.01, 0.97], [0.5, 0.29]] {
-                let whole = kernel_mass(&square, &place, bandwidth);
+                let whole = KernelMass::new(&square, bandwidth).at(&place);
                 let polygons = [vec![ring(0.0, 0.25), ring(0.5, 1.0)], vec![tooth.clone()], vec![rest.clone()]]
                     .map(|parts| Domain::polygon(parts).unwrap());
-                let [two, tooth, rest] =
-                    polygons.each_ref().map(|p| polygon_mass(p.as_polygon().unwrap(), place, bandwidth));
+                let mass = |p: &Domain| {
+                    KernelMass::new(p, bandwidth).at(&[place[0] - p.origin()[0], place[1] - p.origin()[1]])
+                };
+                let [two, tooth, rest] = polygons.each_ref().map(mass);
                 let gap = between(place[0], [0.25, 0.5], bandwidth) * between(place[1], [0.0, 1.0], bandwidth);
                 assert!((two + gap - whole).abs() < 1e-7, "{bandwidth} {place:?}: {two} and {gap} of {whole}");
                 assert!((tooth + rest - whole).abs() < 1e-7, "{bandwidth} {place:?}: {tooth} and {rest} of {whole}");
