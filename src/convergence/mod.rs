@@ -113,13 +113,16 @@ fn seed_at(seed: u64, n: u64) -> u64 {
     xxh3_64_with_seed(&n.to_le_bytes(), seed) >> 11
 }
 
+/// Makes points when their turn comes.
+type Open = dyn Fn(&Control) -> Result<Points>;
+
 /// Points of one subject at one n.
 struct Task {
     subject: usize,
     /// n, about: what the work grows with.
     n: f64,
     seed: Option<u64>,
-    open: Box<dyn Fn(&Control) -> Result<Points>>,
+    open: Box<Open>,
     /// Whether P is measured for the exponent at low frequency.
     measures_power: bool,
 }
