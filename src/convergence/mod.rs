@@ -113,7 +113,7 @@ fn seed_at(seed: u64, n: u64) -> u64 {
     xxh3_64_with_seed(&n.to_le_bytes(), seed) >> 11
 }
 
-/// Opens points.
+/// Makes points when their turn comes.
 type Open = dyn Fn(&Control) -> Result<Points>;
 
 /// Points of one subject at one n.

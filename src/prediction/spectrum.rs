@@ -196,6 +196,7 @@ impl Spectrum {
         };
         let text = |key: &str| stored.value(key).and_then(|value| value.as_str()).unwrap_or_default();
         let dim = number("/d")? as usize;
+        let (n, least, most) = (number("/n/mean")?, number("/n/min").unwrap_or(0.0), number("/n/max")?);
         if text("/domain/boundary") != "torus" || !(1..=3).contains(&dim) {
             return Err(wrong("is of points in a window; predictions are for shifts of a torus".into()));
         }
@@ -203,7 +204,6 @@ impl Spectrum {
             let name = text("/parameters/convention");
             return Err(wrong(format!("has a spectrum by the convention of {name}; expected one of ours")));
         }
-        let (n, least, most) = (number("/n/mean")?, number("/n/min").unwrap_or(0.0), number("/n/max")?);
         let sides: Option<Vec<f64>> = stored
             .value("/domain/sides")
             .and_then(|sides| sides.as_array())
