@@ -302,6 +302,7 @@ mod tests {
             let scene = match row.group {
                 Group::Tapers => format!("--taper sine --stats spectrum {window}"),
                 Group::Lags => "--sampler random -n 9 --stats pcf-vector".into(),
+                Group::Integration => "--sampler random -n 9 --integrand disk".into(),
                 Group::Statistics if row.statistics == [Intensity] => "--sampler random -n 9 --stats intensity".into(),
                 _ => "--sampler random -n 9 --kernel box".into(),
             };
