@@ -21,6 +21,8 @@ pub struct Prediction {
     pub spectral: Measured,
     /// What closes that: P = 1 beyond.
     pub tail: f64,
+    /// The part of it along axes.
+    pub tail_axes: f64,
     /// How far it may be off, by how far P is from 1 where it ends.
     pub tail_bound: f64,
     /// Of the random number of points.
@@ -82,6 +84,7 @@ impl Prediction {
                 v0,
                 spectral: Measured { value: sum / n, se },
                 tail: (axes + rest) / n,
+                tail_axes: axes / n,
                 tail_bound: rest / n * excess,
                 count_term: integrand.integral().powi(2) * count_variance / (n * n),
             }

@@ -134,7 +134,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
     }
     for one in &each {
         let all = one.variance();
-        if one.tail_bound > UNSURE * all && one.tail > 0.0 {
+        if one.tail_bound > UNSURE * all && one.tail > one.tail_axes {
             warnings.push(format!(
                 "{}: what lies beyond the frequencies that are summed is known to {:.1} % of the variance only (P = 1 is taken there)",
                 one.integrand.spec(),
@@ -198,6 +198,7 @@ impl Predicted {
             .optional("var_observed_hi", empty())
             .floats("var_random", each.iter().map(|e| e.v0 / self.n))
             .optional("phase_low", empty())
+            .floats("tail_axes", each.iter().map(|e| e.tail_axes))
     }
 
     /// What is predicted, for a terminal.

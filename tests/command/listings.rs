@@ -176,7 +176,7 @@ fn shells_complete_names() {
     let scratch = Scratch::new();
     for shell in ["bash", "zsh", "fish"] {
         let script = scratch.ok(&format!("completions {shell}"));
-        for word in ["--max-frequency", "poisson-disk", "half-plane", "integrate"] {
+        for word in ["max-frequency", "poisson-disk", "half-plane", "integrate"] {
             assert!(script.contains(word), "{shell} does not know {word}");
         }
     }
