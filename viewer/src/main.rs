@@ -41,6 +41,10 @@ fn main() -> ExitCode {
         let conflict = "--session FILE cannot be used with settings: they are in the session";
         command.error(ErrorKind::ArgumentConflict, conflict).exit();
     }
+    if let (Some(name), None) = (&request.input.sampler, request.input.points) {
+        let missing = format!("--sampler {name} needs -n N, the number of points");
+        command.error(ErrorKind::MissingRequiredArgument, missing).exit();
+    }
     let session = match session.map(|path| open(&path)).transpose() {
         Ok(session) => session,
         Err(error) => {

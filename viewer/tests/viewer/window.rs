@@ -254,7 +254,7 @@ fn settings_that_cannot_be_are_refused_before_a_window_opens() -> Result<()> {
     for (arguments, says) in [
         (&["--bins", "many"][..], "invalid value 'many' for '--bins <B>'"),
         (&["--session", "nowhere.json"], "nowhere.json"),
-        (&["--sampler", "random"], "--points"),
+        (&["--sampler", "random"], "--sampler random needs -n N"),
     ] {
         let output = ended(Guard(viewer(home.path()).args(arguments).spawn()?))?;
         let said = String::from_utf8_lossy(&output.stderr);
