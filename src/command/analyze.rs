@@ -1,7 +1,7 @@
 //! `pairwave analyze`
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pairwave::analysis::{self, Plan};
@@ -143,15 +143,8 @@ impl Analyze {
             };
             return Err(Error::setting(setting, "(given)", reason));
         }
-        if !self.quiet {
-            found.warnings.iter().for_each(|warning| warn(warning));
-            print(&found.text())?;
-        }
-        let Some(out) = self.out.as_ref().filter(|_| !self.explain) else { return Ok(()) };
-        let parameters = [("command".to_string(), command_line().into())];
-        let files = uninterrupted(|| found.write(out, &parameters, self.force))?;
-        let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
-        if self.quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
+        let out = self.out.as_deref().filter(|_| !self.explain);
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, line| found.write(out, line, self.force))
     }
 
     /// What is looked at besides the points as they are.
@@ -182,16 +175,27 @@ impl Analyze {
         let bar = Bar::new(self.quiet, control);
         let found = survey::run(views, &self.request, &points, &device, control, &mut |p| bar.show(p))?;
         bar.finish();
-        if !self.quiet {
-            found.warnings.iter().for_each(|warning| warn(warning));
-            print(&found.text())?;
-        }
-        let Some(out) = &self.out else { return Ok(()) };
-        let parameters = [("command".to_string(), command_line().into())];
-        let files = uninterrupted(|| found.write(out, &parameters, self.force))?;
-        let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
-        if self.quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
+        let out = self.out.as_deref();
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, line| found.write(out, line, self.force))
     }
+}
+
+/// Says what was found by a run that is no analysis, and writes it into `out`, with the line that was typed.
+pub(super) fn conclude(
+    quiet: bool,
+    warnings: &[String],
+    text: &str,
+    out: Option<&Path>,
+    write: impl FnOnce(&Path, &str) -> Result<Vec<PathBuf>>,
+) -> Result<()> {
+    if !quiet {
+        warnings.iter().for_each(|warning| warn(warning));
+        print(text)?;
+    }
+    let Some(out) = out else { return Ok(()) };
+    let files = uninterrupted(|| write(out, &command_line()))?;
+    let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
+    if quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
 }
 
 /// The width of the terminal that standard output is, if it shows braille.
@@ -206,12 +210,12 @@ fn plot_columns() -> Option<usize> {
 }
 
 /// Says a warning, with settings under the names of their flags.
-pub(super) fn warn(warning: &str) {
+fn warn(warning: &str) {
     tell(&format!("warning: {}", Setting::renamed(warning, Setting::flag)));
 }
 
 /// What was typed.
-pub(super) fn command_line() -> String {
+fn command_line() -> String {
     let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     shell_words(std::iter::once("pairwave".to_string()).chain(arguments))
 }

@@ -9,9 +9,9 @@ use pairwave::request::{DeviceChoice, Request};
 use pairwave::survey::Prefixes;
 use pairwave::{Error, Result, Setting, check_threads, report};
 
-use super::analyze::{command_line, warn};
-use super::progress::{Bar, stop_on_interrupt, uninterrupted};
-use super::{print, tell};
+use super::analyze::conclude;
+use super::progress::{Bar, stop_on_interrupt};
+use super::tell;
 
 #[derive(clap::Args)]
 pub(crate) struct Convergence {
@@ -134,14 +134,7 @@ impl Convergence {
         let bar = Bar::new(self.quiet, &control);
         let found = convergence::run(&subjects, &request, &device, &control, &mut |p| bar.show(p))?;
         bar.finish();
-        if !self.quiet {
-            found.warnings.iter().for_each(|warning| warn(warning));
-            print(&found.text())?;
-        }
-        let Some(out) = &self.out else { return Ok(()) };
-        let parameters = [("command".to_string(), command_line().into())];
-        let files = uninterrupted(|| found.write(out, &parameters, self.force))?;
-        let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
-        if self.quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
+        let out = self.out.as_deref();
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, line| found.write(out, line, self.force))
     }
 }

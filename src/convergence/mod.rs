@@ -4,7 +4,6 @@
 mod figure;
 mod tables;
 
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -463,22 +462,17 @@ impl Convergence {
     ///
     /// # Errors
     /// As `report::write`.
-    pub fn write(&self, dir: &Path, parameters: &[(String, Value)], force: bool) -> Result<Vec<PathBuf>> {
-        report::write_files(dir, force, |files| {
+    pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
+        report::write_files(dir, force, command, &self.warnings, self.summary(), |files| {
             files.add("convergence.csv", |file| file.write_all(&tables::variances(self).csv()?));
             files.add("slopes.csv", |file| file.write_all(&tables::slopes(self).csv()?));
             files.add("ranks.csv", |file| file.write_all(&tables::ranks(self).csv()?));
             files.add("convergence.svg", |file| file.write_all(figure::svg(self).as_bytes()));
-            let names: Vec<_> = files.names().into_iter().chain([report::SUMMARY]).collect();
-            let out = self.summary(parameters, &names);
-            files.add(report::SUMMARY, |file| {
-                serde_json::to_writer_pretty(&mut *file, &out).map_err(io::Error::other)?;
-                file.write_all(b"\n")
-            });
         })
     }
 
-    fn summary(&self, parameters: &[(String, Value)], names: &[&str]) -> Value {
+    /// What it holds of convergence.
+    fn summary(&self) -> Value {
         let law = |law: &Option<PowerLaw>| {
             law.as_ref().map(|law| {
                 json!({
@@ -505,18 +499,11 @@ impl Convergence {
                 "smoothness": smoothness.is_finite().then_some(smoothness),
             })
         };
-        let parameters: serde_json::Map<_, _> = parameters.iter().cloned().collect();
         json!({
-            "schema": report::SCHEMA,
-            "program": env!("CARGO_PKG_NAME"),
-            "version": env!("CARGO_PKG_VERSION"),
             "convergence": self.subjects.iter().map(subject).collect::<Vec<_>>(),
-            "parameters": parameters,
             "d": self.dim,
             "slopes": self.curves.iter().map(slopes).collect::<Vec<_>>(),
             "device": self.device,
-            "warnings": self.warnings,
-            "files": names,
         })
     }
 }

@@ -213,34 +213,22 @@ impl Predicted {
     ///
     /// # Errors
     /// As `report::write`; a directory that the spectrum was read from.
-    pub fn write(&self, dir: &Path, parameters: &[(String, serde_json::Value)], force: bool) -> Result<Vec<PathBuf>> {
+    pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
         let place = |path: &Path| path.canonicalize().ok();
         if place(dir).is_some() && place(dir) == place(Path::new(&self.spec)) {
             let reason = "holds the spectrum that is read, and would be replaced; expected another directory";
             return Err(Error::setting(Setting::Out, dir.display(), reason));
         }
-        report::write_files(dir, force, |files| {
+        let own = json!({
+            "prediction": self.rule,
+            "subject": self.subject,
+            "n": self.n,
+            "d": self.dim,
+            "estimator": self.estimator.name(),
+            "max_frequency": self.max_frequency,
+        });
+        report::write_files(dir, force, command, &self.warnings, own, |files| {
             files.add("variance.csv", |file| file.write_all(&self.table().csv()?));
-            let names: Vec<_> = files.names().into_iter().chain([report::SUMMARY]).collect();
-            let parameters: serde_json::Map<_, _> = parameters.iter().cloned().collect();
-            let out = json!({
-                "schema": report::SCHEMA,
-                "program": env!("CARGO_PKG_NAME"),
-                "version": env!("CARGO_PKG_VERSION"),
-                "prediction": self.rule,
-                "subject": self.subject,
-                "parameters": parameters,
-                "n": self.n,
-                "d": self.dim,
-                "estimator": self.estimator.name(),
-                "max_frequency": self.max_frequency,
-                "warnings": self.warnings,
-                "files": names,
-            });
-            files.add(report::SUMMARY, |file| {
-                serde_json::to_writer_pretty(&mut *file, &out)?;
-                file.write_all(b"\n")
-            });
         })
     }
 }

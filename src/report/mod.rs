@@ -28,10 +28,11 @@ pub(crate) use plot::Stored;
 pub use plot::{Format, Plot, Plotted};
 pub(crate) use png::encode as png;
 pub(crate) use result_dir::Files;
-pub(crate) use summary::SCHEMA;
 pub(crate) use svg::svg;
 pub(crate) use terminal::some_columns;
 pub use terminal::{numbers, plots};
+
+use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
@@ -40,7 +41,7 @@ use crate::setting::Setting;
 
 /// The page, and what marks a result.
 const PAGE: &str = "report.html";
-pub(crate) const SUMMARY: &str = "summary.json";
+const SUMMARY: &str = "summary.json";
 
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
@@ -69,12 +70,37 @@ const OF_SURVEYS: [&str; 9] = [
 /// What a run over numbers of points writes.
 const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv", "convergence.svg"];
 
-/// Writes files of the names that a result may have, as `write` does.
+/// Writes files of the names that a result may have, as `write` does, and a summary: `own` is what it holds of its kind of run, an object.
 ///
 /// # Errors
 /// As `write`.
-pub(crate) fn write_files(dir: &Path, force: bool, make: impl FnOnce(&mut Files<'_>)) -> Result<Vec<PathBuf>> {
-    result_dir::write(&names(), dir, force, make)
+pub(crate) fn write_files(
+    dir: &Path,
+    force: bool,
+    command: &str,
+    warnings: &[String],
+    own: Value,
+    make: impl FnOnce(&mut Files<'_>),
+) -> Result<Vec<PathBuf>> {
+    result_dir::write(&names(), dir, force, |files| {
+        make(files);
+        let names: Vec<_> = files.names().into_iter().chain([SUMMARY]).collect();
+        let mut summary = json!({
+            "schema": summary::SCHEMA,
+            "program": env!("CARGO_PKG_NAME"),
+            "version": env!("CARGO_PKG_VERSION"),
+            "parameters": { "command": command },
+            "warnings": warnings,
+            "files": names,
+        });
+        if let (Some(all), Value::Object(own)) = (summary.as_object_mut(), own) {
+            all.extend(own);
+        }
+        files.add(SUMMARY, |file| {
+            serde_json::to_writer_pretty(&mut *file, &summary)?;
+            file.write_all(b"\n")
+        });
+    })
 }
 
 /// Whether a result could be written to `dir`, asked before the long work. Leaves nothing behind.

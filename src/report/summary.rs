@@ -9,7 +9,7 @@ use crate::points::Domain;
 use crate::statistics::Keys;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
-pub(crate) const SCHEMA: u32 = 2;
+pub(super) const SCHEMA: u32 = 2;
 
 #[derive(Serialize)]
 struct Sizes {

@@ -330,69 +330,41 @@ impl Survey {
         }
     }
 
-    /// Names of all files there may be.
-    fn names(&self) -> [&'static str; 6] {
-        match self.views {
-            Views::Projections => {
-                ["projections.csv", "projections_pcf.csv", "projections_radial.csv", "projections.svg", "", SUMMARY]
-            }
-            Views::Prefixes(_) => [
-                "prefixes.csv",
-                "prefixes_pcf.csv",
-                "prefixes_radial.csv",
-                "prefixes.svg",
-                "prefixes_radial.svg",
-                SUMMARY,
-            ],
-        }
-    }
-
     /// Writes everything into `dir`, as `report::write` does.
     ///
     /// # Errors
     /// As `report::write`.
-    pub fn write(&self, dir: &Path, parameters: &[(String, serde_json::Value)], force: bool) -> Result<Vec<PathBuf>> {
-        let [scalars, pcf, radial, picture, second, summary] = self.names();
-        report::write_files(dir, force, |files| {
-            files.add(scalars, |file| file.write_all(&self.scalars().csv()?));
-            for (name, table) in [(pcf, tables::pcf(self)), (radial, tables::radial(self))] {
+    pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
+        let (kind, names) = match self.views {
+            Views::Projections => ("projections", ["projections.csv", "projections_pcf.csv", "projections_radial.csv"]),
+            Views::Prefixes(_) => ("prefixes", ["prefixes.csv", "prefixes_pcf.csv", "prefixes_radial.csv"]),
+        };
+        let own = json!({
+            "survey": kind,
+            "subject": self.subject,
+            "n": self.shape.mean_points,
+            "k": self.shape.realizations,
+            "d": self.dim,
+            "views": self.each.len(),
+            "device": self.device,
+        });
+        report::write_files(dir, force, command, &self.warnings, own, |files| {
+            let tables = [Some(self.scalars()), tables::pcf(self), tables::radial(self)];
+            for (name, table) in names.into_iter().zip(tables) {
                 if let Some(table) = table {
                     files.add(name, |file| file.write_all(&table.csv()?));
                 }
             }
-            let drawn = match self.views {
-                Views::Projections => sheet::svg(self).map(|svg| vec![(picture, svg)]),
-                Views::Prefixes(_) => figures::svgs(self, picture, second),
+            let (first, drawn) = match self.views {
+                Views::Projections => ("projections.svg", sheet::svg(self).map(|svg| vec![("projections.svg", svg)])),
+                Views::Prefixes(_) => ("prefixes.svg", figures::svgs(self, "prefixes.svg", "prefixes_radial.svg")),
             };
             match drawn {
                 Ok(drawn) => {
                     drawn.into_iter().for_each(|(name, svg)| files.add(name, |file| file.write_all(svg.as_bytes())));
                 }
-                Err(e) => files.add(picture, |_| Err(io::Error::other(e))),
+                Err(e) => files.add(first, |_| Err(io::Error::other(e))),
             }
-            let names: Vec<_> = files.names().into_iter().chain([summary]).collect();
-            let parameters: serde_json::Map<_, _> = parameters.iter().cloned().collect();
-            let out = json!({
-                "schema": report::SCHEMA,
-                "program": env!("CARGO_PKG_NAME"),
-                "version": env!("CARGO_PKG_VERSION"),
-                "survey": match self.views { Views::Projections => "projections", Views::Prefixes(_) => "prefixes" },
-                "subject": self.subject,
-                "parameters": parameters,
-                "n": self.shape.mean_points,
-                "k": self.shape.realizations,
-                "d": self.dim,
-                "views": self.each.len(),
-                "device": self.device,
-                "warnings": self.warnings,
-                "files": names,
-            });
-            files.add(summary, |file| {
-                serde_json::to_writer_pretty(&mut *file, &out)?;
-                file.write_all(b"\n")
-            });
         })
     }
 }
-
-const SUMMARY: &str = report::SUMMARY;
