@@ -165,41 +165,30 @@ impl Value for Memory {
     }
 }
 
-impl Value for Bandwidth {
-    fn text(&self) -> String {
-        match self {
-            Self::Given(bandwidth) => number(*bandwidth),
-            rule => rule.to_string(),
+/// A number, or the name of a rule for it.
+macro_rules! given_or_by_rule {
+    ($($type:ty),+) => {$(
+        impl Value for $type {
+            fn text(&self) -> String {
+                match self {
+                    Self::Given(value) => number(*value),
+                    rule => rule.to_string(),
+                }
+            }
+            fn json(&self) -> Json {
+                match self {
+                    Self::Given(value) => (*value).into(),
+                    rule => rule.to_string().into(),
+                }
+            }
+            fn parse(text: &str) -> Result<Self, String> {
+                text.parse()
+            }
         }
-    }
-    fn json(&self) -> Json {
-        match self {
-            Self::Given(bandwidth) => (*bandwidth).into(),
-            rule => rule.to_string().into(),
-        }
-    }
-    fn parse(text: &str) -> Result<Self, String> {
-        text.parse()
-    }
+    )+};
 }
 
-impl Value for IntensityBandwidth {
-    fn text(&self) -> String {
-        match self {
-            Self::Given(bandwidth) => number(*bandwidth),
-            rule => rule.to_string(),
-        }
-    }
-    fn json(&self) -> Json {
-        match self {
-            Self::Given(bandwidth) => (*bandwidth).into(),
-            rule => rule.to_string().into(),
-        }
-    }
-    fn parse(text: &str) -> Result<Self, String> {
-        text.parse()
-    }
-}
+given_or_by_rule!(Bandwidth, IntensityBandwidth);
 
 impl Value for LagReach {
     fn text(&self) -> String {
