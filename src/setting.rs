@@ -117,6 +117,10 @@ settings! {
     Estimator = "estimator",
     /// Shifts of each realization.
     Shifts = "shifts",
+    /// The density that points are placed by.
+    Intensity = "intensity",
+    /// How points are placed by it.
+    By = "by",
     /// Bandwidth of the intensity.
     IntensityBandwidth = "intensity_bandwidth",
     /// Cells per axis of the intensity.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pairwave::compute::Device;
 use pairwave::convergence::{self, Subjects};
-use pairwave::plan::{Accuracy, Estimator};
+use pairwave::plan::{Accuracy, By, Estimator};
 use pairwave::request::{DeviceChoice, Request};
 use pairwave::survey::Prefixes;
 use pairwave::{Error, Result, Setting, check_threads, report};
@@ -71,6 +71,14 @@ pub(crate) struct Convergence {
     #[arg(long, help_heading = "Integration", value_name = "S")]
     shifts: Option<u32>,
 
+    /// The density that points are placed by, NAME or NAME:key=value,...
+    #[arg(long, help_heading = "Integration", value_name = "SPEC")]
+    intensity: Option<String>,
+
+    /// removal or warp
+    #[arg(long, help_heading = "Integration", value_enum, requires = "intensity")]
+    by: Option<By>,
+
     /// What computes
     #[arg(long, help_heading = "Computing", default_value = "auto", value_name = "auto|cpu|gpu|reference|INDEX")]
     device: DeviceChoice,
@@ -105,6 +113,8 @@ impl Convergence {
             integrand: self.integrands,
             estimator: self.estimator,
             shifts: self.shifts,
+            intensity: self.intensity,
+            by: self.by,
             device: self.device,
             accuracy: self.accuracy,
             threads: self.threads,

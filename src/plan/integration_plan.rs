@@ -29,6 +29,18 @@ pub enum Estimator {
 
 named!(Estimator: Mean = "mean", Ratio = "ratio", Lambda = "lambda");
 
+/// How points are placed by a density that is no constant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum By {
+    /// Points of a parent are kept at random, where the density is low seldom.
+    Removal,
+    /// Points are mapped by the inverse of its distribution function.
+    Warp,
+}
+
+named!(By: Removal = "removal", Warp = "warp");
+
 /// How the sum over pairs of points is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairSum {
@@ -95,6 +107,10 @@ pub struct IntegrationSettings<'a> {
     pub estimator: Option<Estimator>,
     /// Number of shifts.
     pub shifts: u32,
+    /// The specification of the density that points are placed by.
+    pub intensity: Option<&'a str>,
+    /// How they are.
+    pub by: Option<By>,
     /// The largest frequencies, if they are asked for.
     pub max_frequency: Option<&'a [u32]>,
     /// Largest low frequency of the truncated phase term.
@@ -136,6 +152,22 @@ impl IntegrationPlan {
         };
         if settings.shifts == 0 || settings.shifts > 1 << 16 {
             return Err(Error::setting(Setting::Shifts, settings.shifts, "expected 1 to 65536"));
+        }
+        match (settings.intensity, settings.by) {
+            (None, None) => {}
+            (None, Some(by)) => {
+                return Err(Error::setting(
+                    Setting::By,
+                    by,
+                    "needs `intensity`, the density that points are placed by",
+                ));
+            }
+            (Some(spec), None) => {
+                let reason =
+                    "says how dense points are, not how they are placed; expected `by` removal or warp beside it";
+                return Err(Error::setting(Setting::Intensity, spec, reason));
+            }
+            (Some(_), Some(by)) => return Err(Error::setting(Setting::By, by, "is not there yet")),
         }
         let frequencies = match settings.max_frequency {
             Some(&[f]) => vec![f; dim],

@@ -43,7 +43,7 @@ pub use covariance_plan::CovariancePlan;
 pub(crate) use covariance_plan::covariance_values;
 pub use discrepancy_plan::DiscrepancyPlan;
 pub(crate) use integration_plan::IntegrandTable;
-pub use integration_plan::{Estimator, IntegrationPlan, IntegrationSettings, PairSum};
+pub use integration_plan::{By, Estimator, IntegrationPlan, IntegrationSettings, PairSum};
 pub use intensity_plan::{IntensityBandwidth, IntensityPlan, IntensitySearch};
 pub(crate) use intensity_plan::{KernelMass, axis_kernel, scott};
 use kernel_plan::longest_distance;

@@ -49,6 +49,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
     let mut rest = request.clone();
     (rest.input.points, rest.input.dim, rest.estimator, rest.max_frequency, rest.threads) =
         (None, None, None, None, None);
+    (rest.intensity, rest.by) = (None, None);
     rest.input.params.clear();
     rest.integrand.clear();
     if rest.stats.is_empty() {
@@ -56,7 +57,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
     }
     if rest != Request::default() {
         let reason = format!(
-            "takes no points; expected `points`, `dim`, `params`, `estimator` and `max_frequency` beside it, not {}",
+            "takes no points; expected `points`, `dim`, `params`, `estimator`, `max_frequency`, `intensity` and `by` beside it, not {}",
             rest.arguments().join(" ")
         );
         return Err(Error::setting(Setting::PowerFrom, spec, reason));
@@ -99,6 +100,8 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
         integrands: &request.integrand,
         estimator: Some(estimator),
         shifts: 1,
+        intensity: request.intensity.as_deref(),
+        by: request.by,
         max_frequency: frequencies.as_deref(),
         low_frequency: Some(1),
         accuracy: Accuracy::default(),

@@ -15,8 +15,8 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Conventions, Correction, Debias, Divisor, Estimator, IntensityBandwidth,
-    LagReach, SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, By, Convention, Conventions, Correction, Debias, Divisor, Estimator,
+    IntensityBandwidth, LagReach, SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -344,6 +344,20 @@ pub struct Request {
     /// Shifts of each realization, of a lattice with a random offset, at which the error is observed.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", allow_negative_numbers = true))]
     pub shifts: Option<u32>,
+
+    /// Importance sampling: points as dense as this
+    ///
+    /// Importance sampling: points as dense as NAME or NAME:key=value,... (an integrand), which --by places. f over that density is averaged.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SPEC"))]
+    pub intensity: Option<String>,
+
+    /// removal or warp
+    ///
+    /// How points are placed by --intensity: the sampler's are parents, of which as many are kept (removal), or coordinates of the map to that
+    /// density (warp).
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
+    pub by: Option<By>,
+
     /// Standard deviation of the intensity's kernel, or a rule
     ///
     /// Standard deviation of the Gaussian kernel of the intensity, or a rule: scott, or likelihood (likelihood cross-validation).
@@ -450,6 +464,8 @@ impl Default for Request {
             integrand: Vec::new(),
             estimator: None,
             shifts: None,
+            intensity: None,
+            by: None,
             intensity_bandwidth: None,
             intensity_grid: None,
             taper: None,

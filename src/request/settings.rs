@@ -114,7 +114,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 56] = [
+pub static SETTINGS: [Row; 58] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -179,6 +179,8 @@ pub static SETTINGS: [Row; 56] = [
     row!(Estimator, "--estimator", estimator, Integration, needs: Some(Setting::Integrand),
         otherwise: "mean for equal n, else lambda"),
     row!(Shifts, "--shifts", shifts, Integration, needs: Some(Setting::Integrand), default: Some("16")),
+    row!(Intensity, "--intensity", intensity, Integration, needs: Some(Setting::Integrand), otherwise: "uniform"),
+    row!(By, "--by", by, Integration, needs: Some(Setting::Intensity)),
     row!(IntensityBandwidth, "--intensity-bandwidth", intensity_bandwidth, Statistics, statistics: &[Intensity],
         default: Some("scott")),
     row!(IntensityGrid, "--intensity-grid", intensity_grid, Statistics, statistics: &[Intensity],

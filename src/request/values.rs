@@ -11,8 +11,8 @@ use crate::error::{Error, Result, number};
 use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::plan::{
-    Accuracy, Bandwidth, BinScale, Convention, Correction, Debias, Divisor, Estimator, IntensityBandwidth, LagReach,
-    SmoothingKernel, Taper,
+    Accuracy, Bandwidth, BinScale, By, Convention, Correction, Debias, Divisor, Estimator, IntensityBandwidth,
+    LagReach, SmoothingKernel, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -107,6 +107,7 @@ chosen!(
     Accuracy,
     BinScale,
     Boundary,
+    By,
     Convention,
     Correction,
     Debias,

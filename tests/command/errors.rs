@@ -127,7 +127,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "integrate --p jittered -n 64 -k 3 --integrand disk",
             2,
-            "--p jittered: takes no points; expected -n, --dim, --param, --estimator and --max-frequency beside it, not -k 3",
+            "--p jittered: takes no points; expected -n, --dim, --param, --estimator, --max-frequency, --intensity and --by beside it, not -k 3",
         ),
         ("analyze ok.csv --window-polygon missing.wkt", 1, "missing.wkt: No such file or directory (os error 2)"),
         (
@@ -800,6 +800,21 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         ),
         ("integrate --sampler random -n 9 --integrand interval", 2, "--integrand interval:"),
         ("analyze --sampler random -n 9 --shifts 3", 2, "the following required arguments were not provided:"),
+        (
+            "integrate --sampler random -n 9 --integrand disk --by warp",
+            2,
+            "the following required arguments were not provided:",
+        ),
+        (
+            "analyze --sampler random -n 9 --intensity ramp --by warp",
+            2,
+            "the following required arguments were not provided:",
+        ),
+        (
+            "integrate --sampler random -n 9 --integrand disk --intensity ramp",
+            2,
+            "--intensity ramp: says how dense points are, not how they are placed; expected --by removal or warp beside it",
+        ),
         ("integrate --sampler random -n 9 --integrand formula:1/(x-0.5)", 2, "--integrand formula:1/(x-0.5):"),
         ("analyze", 2, "FILES (none): expected point files, or --sampler NAME -n N"),
     ];

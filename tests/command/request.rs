@@ -15,7 +15,7 @@ fn a_request_is_a_command_line() {
         "--normalization intensity --max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 x",
         "--stats intensity,counts --intensity-bandwidth 0.125 --intensity-grid 64 x",
         "--frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",
-        "--integrand disk --integrand box:x0=0.1 --estimator ratio --shifts 4 x",
+        "--integrand disk --integrand box:x0=0.1 --estimator ratio --shifts 4 --intensity ramp --by warp x",
         "--window-polygon plot.wkt --stats k-function x",
         "--columns x,y --realization-column frame --array pos --envelope-from s.npy --envelope-from t x.npz",
         "--r-max=-1 --bandwidth lscv --kernel box --device 0 --accuracy high --threads 2 --memory 4GiB -- x -y",
@@ -38,7 +38,7 @@ fn a_request_is_a_command_line() {
         let short = flag.get_short().map(|short| format!("-{short}"));
         assert!(typed.iter().any(|word| *word == long || Some(word) == short.as_ref()), "{long} is in no line");
         for value in flag.get_possible_values() {
-            let mut line = words("--sampler random -n 2 --kernel box --integrand disk");
+            let mut line = words("--sampler random -n 2 --kernel box --integrand disk --intensity ramp");
             let value = value.get_name();
             let defaults = flag.get_default_values();
             match value {

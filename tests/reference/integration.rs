@@ -22,6 +22,8 @@ fn plan(ensemble: &Ensemble, integrands: &[&str], accuracy: Accuracy, f: Option<
         integrands: &specs,
         estimator: None,
         shifts: 8,
+        intensity: None,
+        by: None,
         max_frequency: f,
         low_frequency: Some(4),
         accuracy,

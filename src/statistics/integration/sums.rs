@@ -30,6 +30,8 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
         integrands: &request.integrand,
         estimator: request.estimator,
         shifts: request.shifts.unwrap_or(SHIFTS),
+        intensity: request.intensity.as_deref(),
+        by: request.by,
         max_frequency: request.max_frequency.as_deref(),
         low_frequency: request.covariance_frequency,
         accuracy: request.accuracy,
