@@ -7,12 +7,14 @@ use crate::error::{Error, Result};
 /// Integration errors of a batch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IntegrationSums {
-    /// `|s_m|^2` over realizations on the grid.
+    /// `|s_m|^2` over realizations on the grid, of weights over `unit`.
     pub grid: WavePower,
     /// The same along each axis alone.
     pub axes: Vec<WavePower>,
     /// Number of integrands.
     pub integrands: usize,
+    /// What weights are measured in there, a power of two; 1 without weights.
+    pub unit: f64,
     /// Ordered by index.
     pub realizations: Vec<RealizationSums>,
 }
@@ -24,25 +26,53 @@ pub struct RealizationSums {
     pub index: u64,
     /// Number of points.
     pub n: u64,
+    /// `sum_j w_j`, n where every point weighs 1.
+    pub weight: f64,
+    /// `sum_j w_j^2`.
+    pub square: f64,
     /// Per integrand.
     pub each: Vec<IntegrandSums>,
+    /// Of the points that are kept of these, where some are removed.
+    pub removal: Option<RemovalSums>,
 }
 
-/// Sums of one integrand over the points `x_j` of one realization, all without weights.
+/// Sums of one integrand over the points `x_j` of one realization and their weights.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IntegrandSums {
-    /// `sum_j f(x_j)`.
+    /// `sum_j w_j f(x_j)`.
     pub values: f64,
     /// `sum_(m != 0) |f_m|^2 |s_m|^2` over the grid.
     pub grid: f64,
     /// The same over frequencies along axes, beyond the grid.
     pub axes: f64,
-    /// `sum_(i < j) (a(x_i - x_j) - I^2)`; 0 where the plan does not sum pairs.
+    /// `sum_(i < j) w_i w_j (a(x_i - x_j) - I^2)`; 0 where the plan does not sum pairs.
     pub pairs: f64,
-    /// Means over shifts t of `S(t)` and `S(t)^2`, `S = sum_j f(x_j + t) - n I`.
+    /// Means over shifts t of `S(t)` and `S(t)^2`, `S = sum_j w_j (f(x_j + t) - I)`.
     pub shifted: [f64; 2],
     /// `Re sum conj(f_m) s_m` over low frequencies, and `sum |f_m|^2 |s_m|^2`.
     pub low: [f64; 2],
+}
+
+/// Of the points of a realization that are kept, each with probability q.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RemovalSums {
+    /// Their number.
+    pub kept: u64,
+    /// Shifts after which points are left, which is what a ratio is observed at.
+    pub shifts: u64,
+    /// Per integrand.
+    pub each: Vec<KeptSums>,
+}
+
+/// Sums of one integrand over points that are kept. The error is `sum_kept f/q - n I`, or for a ratio that of the estimate itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct KeptSums {
+    /// The error.
+    pub error: f64,
+    /// `sum_j f(x_j)^2 (1/q(x_j) - 1)` over all points: its variance, these points given.
+    pub given: f64,
+    /// Means over shifts of the error and its square, other points kept at each.
+    pub shifted: [f64; 2],
 }
 
 impl IntegrandSums {
@@ -62,6 +92,7 @@ impl Sums for IntegrationSums {
         if (self.integrands, self.axes.len()) != (other.integrands, other.axes.len()) {
             return Err(Error::input("integration", "sums of other integrands"));
         }
+        self.same_unit(&other)?;
         self.grid.merge(other.grid)?;
         self.axes.iter_mut().zip(other.axes).try_for_each(|(a, b)| a.merge(b))?;
         self.realizations.extend(other.realizations);
@@ -70,6 +101,7 @@ impl Sums for IntegrationSums {
     }
 
     fn append(&mut self, next: Self) -> Result<()> {
+        self.same_unit(&next)?;
         self.grid.append(next.grid)?;
         self.axes.iter_mut().zip(next.axes).try_for_each(|(a, b)| a.append(b))?;
         self.realizations.extend(next.realizations);
@@ -83,32 +115,78 @@ impl Sums for IntegrationSums {
     fn encode(&self, out: &mut Encoder) {
         out.value("integrands", self.integrands);
         out.value("axes", self.axes.len());
+        let removed = self.realizations.iter().any(|r| r.removal.is_some());
+        out.value("removal", u8::from(removed));
+        out.f64s("unit", [self.unit]);
         out.within("grid", |out| self.grid.encode(out));
         for (a, axis) in self.axes.iter().enumerate() {
             out.within(&format!("axis {a}"), |out| axis.encode(out));
         }
         out.u64s("sizes", self.realizations.iter().flat_map(|r| [r.index, r.n]));
+        out.f64s("weights", self.realizations.iter().flat_map(|r| [r.weight, r.square]));
         out.f64s("numbers", self.realizations.iter().flat_map(|r| &r.each).flat_map(IntegrandSums::numbers));
+        if removed {
+            let kept = || self.realizations.iter().filter_map(|r| r.removal.as_ref());
+            out.u64s("kept", kept().flat_map(|r| [r.kept, r.shifts]));
+            let numbers = |k: &KeptSums| [k.error, k.given, k.shifted[0], k.shifted[1]];
+            out.f64s("kept numbers", kept().flat_map(|r| &r.each).flat_map(numbers));
+        }
     }
 
     fn decode(from: &mut Decoder<'_>) -> Result<Self> {
         let (integrands, axes): (usize, usize) = (from.read("integrands")?, from.read("axes")?);
+        let removed: u8 = from.read("removal")?;
         if integrands == 0 || axes > 3 {
             return Err(from.error("integration of nothing, or of too many axes"));
         }
+        let unit = from.f64s_of("unit", 1)?[0];
         let grid = from.within("grid", WavePower::decode)?;
         let axes =
             (0..axes).map(|a| from.within(&format!("axis {a}"), WavePower::decode)).collect::<Result<Vec<_>>>()?;
         let sizes = from.u64s("sizes")?;
         let (sizes, _) = sizes.as_chunks::<2>();
-        let numbers = from.f64s_of("numbers", sizes.len().saturating_mul(integrands).saturating_mul(8))?;
+        let per_realization = |many: usize| sizes.len().saturating_mul(many);
+        let weights = from.f64s_of("weights", per_realization(2))?;
+        let numbers = from.f64s_of("numbers", per_realization(integrands).saturating_mul(8))?;
         let each: Vec<IntegrandSums> = numbers.as_chunks::<8>().0.iter().map(IntegrandSums::of).collect();
-        let of = |(&[index, n], each): (&[u64; 2], &[IntegrandSums])| RealizationSums { index, n, each: each.to_vec() };
-        Ok(Self {
-            grid,
-            axes,
-            integrands,
-            realizations: sizes.iter().zip(each.chunks_exact(integrands)).map(of).collect(),
-        })
+        let mut removals = vec![None; sizes.len()];
+        if removed != 0 {
+            let kept = from.u64s("kept")?;
+            let numbers = from.f64s_of("kept numbers", per_realization(integrands).saturating_mul(4))?;
+            let of = |&[error, given, s, squares]: &[f64; 4]| KeptSums { error, given, shifted: [s, squares] };
+            let each: Vec<KeptSums> = numbers.as_chunks::<4>().0.iter().map(of).collect();
+            for ((to, &[kept, shifts]), each) in
+                removals.iter_mut().zip(kept.as_chunks::<2>().0).zip(each.chunks_exact(integrands))
+            {
+                *to = Some(RemovalSums { kept, shifts, each: each.to_vec() });
+            }
+        }
+        let realizations = (sizes.iter().zip(weights.as_chunks::<2>().0).zip(each.chunks_exact(integrands)))
+            .zip(removals)
+            .map(|(((&[index, n], &[weight, square]), each), removal)| RealizationSums {
+                index,
+                n,
+                weight,
+                square,
+                each: each.to_vec(),
+                removal,
+            })
+            .collect();
+        Ok(Self { grid, axes, integrands, unit, realizations })
+    }
+}
+
+impl IntegrationSums {
+    /// Sums in one unit of weights: that of whatever has been summed.
+    fn same_unit(&mut self, other: &Self) -> Result<()> {
+        match (self.realizations.is_empty(), other.realizations.is_empty()) {
+            (true, _) => self.unit = other.unit,
+            (false, false) if self.unit != other.unit => {
+                let reason = format!("weights in units of {} and of {}", self.unit, other.unit);
+                return Err(Error::input("integration", reason));
+            }
+            _ => {}
+        }
+        Ok(())
     }
 }

@@ -8,7 +8,7 @@ pub(super) fn total(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// A sum that carries its rounding error (Neumaier 1974).
-#[derive(Clone, Default)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Compensated {
     sum: f64,
     error: f64,

@@ -1,6 +1,12 @@
-//! Where integrands are looked at: points as fractions of the box, and their random shifts.
+//! Where integrands are looked at: points as fractions of the box, their random shifts, what they weigh, and which are kept.
 
+use std::borrow::Cow;
+
+use crate::error::{Error, Result};
+use crate::integrand::Integrand;
+use crate::plan::{Importance, IntegrationPlan};
 use crate::points::Ensemble;
+use crate::setting::Setting;
 
 /// Coordinates of realization `k` as fractions of the box, point by point, as they were given: whether a point is inside of a set is
 /// decided by them, not by integers near them.
@@ -39,4 +45,63 @@ pub(super) fn random_shift(index: u64) -> [f64; 3] {
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
     })
+}
+
+/// Number in [0, 1) by which a point is kept or removed: SplitMix64 of the realization, the shift, the point and where it lies, so that
+/// points of another seed are not kept by the same numbers.
+pub(super) fn lot(index: u64, shift: u64, point: usize, x: &[f64; 3]) -> f64 {
+    let mix = |state: u64| {
+        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    let words = [index, shift, point as u64, x[0].to_bits(), x[1].to_bits(), x[2].to_bits()];
+    let mixed = words.iter().fold(0x5851_f42d_4c95_7f2d_u64, |state, word| {
+        mix(state.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ word.wrapping_mul(0xd129_0b5a_3c95_1e3d))
+    });
+    (mixed >> 11) as f64 * 2f64.powi(-53)
+}
+
+/// What every point weighs, as it was given; `None` where that is 1.
+pub(super) fn weights(ensemble: &Ensemble, k: usize) -> Option<Vec<f64>> {
+    let unit = ensemble.weight_unit();
+    ensemble.weights(k).map(|w| w.iter().map(|w| w * unit).collect())
+}
+
+/// One over the intensity at every point of a realization.
+fn inverse_intensity(intensity: &Integrand, ensemble: &Ensemble, k: usize) -> Result<Vec<f64>> {
+    let places = places(ensemble, k);
+    let mut densities = vec![0.0; places.len()];
+    intensity.values(&places, &mut densities);
+    if let Some(j) = densities.iter().position(|d| d.is_nan() || *d <= 0.0) {
+        let reason = format!(
+            "is {} at {:?}, point {} of realization {}; expected it above 0 wherever there are points",
+            densities[j],
+            &places[j][..intensity.dim()],
+            j + 1,
+            ensemble.first_index() + k as u64 + 1
+        );
+        return Err(Error::setting(Setting::Intensity, intensity.spec(), reason));
+    }
+    Ok(densities.into_iter().map(|d| 1.0 / d).collect())
+}
+
+/// The same points with the weights that the plan gives them, in units of a power of two that is the same for every batch.
+pub(super) fn weighted<'a>(plan: &IntegrationPlan, ensemble: &'a Ensemble) -> Result<Cow<'a, Ensemble>> {
+    if let Some(Importance::Known(intensity)) = &plan.importance {
+        let all = (0..ensemble.realizations()).map(|k| inverse_intensity(intensity, ensemble, k));
+        let all = all.collect::<Result<Vec<_>>>()?.concat();
+        return Ok(Cow::Owned(ensemble.clone().with_weights_of(&all, 1.0 / intensity.integral())));
+    }
+    if !plan.weighted || ensemble.weights(0).is_none() {
+        return Ok(ensemble.unweighted());
+    }
+    let unit = ensemble.weight_unit();
+    if !(1e-100..1e100).contains(&unit) {
+        let reason = format!(
+            "are of the size of {unit:e}: the squares of sums with them are no numbers; expected some between 1e-100 and 1e100"
+        );
+        return Err(Error::setting(Setting::WeightColumn, "weights", reason));
+    }
+    Ok(Cow::Borrowed(ensemble))
 }

@@ -1,19 +1,20 @@
 //! Integration errors: predicted from power and from pairs, and observed. See `docs/integration-error.md`.
 //!
-//! With weights c on every point (1/n of each realization, or one over the mean number of points), v0 = int f^2 - I^2 and sums as in
+//! With a factor c on the weight `w_j` of every point (what it is, is said by the estimator), v0 = int f^2 - I^2 and sums as in
 //! `compute::reference::integration`, the error of `c S` averaged over all shifts of a realization is
 //!
 //! ```text
-//! V_k = c^2 sum_(m != 0) |f_m|^2 |s_m|^2 + I^2 (c n - 1)^2 = c^2 (n v0 + 2 pairs) + I^2 (c n - 1)^2
+//! V_k = c^2 sum_(m != 0) |f_m|^2 |s_m|^2 + level^2 = c^2 (v0 sum w^2 + 2 pairs) + level^2,   level = I (c sum w - 1)
 //! ```
 //!
-//! exactly, for any points; the second term is 0 where c = 1/n. The sum over m is cut at F, and beyond it P is taken as 1:
-//! `tail = c^2 n (v0 - sum_R |f_m|^2)`. As they are, without shifts, `(c S - I)^2 = V_k + phase_k`.
+//! exactly, for any points. The sum over m is cut at F, and beyond it P is taken as 1: `tail = c^2 sum w^2 (v0 - sum_R |f_m|^2)`. As they are,
+//! without shifts, `(c S - I)^2 = V_k + phase_k`. Where of these points some are kept, each with probability q and then weighing 1/q, the variance
+//! grows by `c int f^2 (1/q - 1)`, and of the very points at hand it is `(c S - I)^2 + c^2 sum f^2 (1/q - 1)`.
 
-use crate::accumulate::{IntegrandSums, IntegrationSums, RealizationSums};
+use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, RealizationSums};
 use crate::estimate::{Analysis, mean, standard_error};
 use crate::integrand::Integrand;
-use crate::plan::{Estimator, IntegrationPlan, PairSum};
+use crate::plan::{By, Estimator, Importance, IntegrationPlan, PairSum};
 
 /// Errors of all integrands.
 #[derive(Debug, Clone)]
@@ -36,6 +37,21 @@ pub struct IntegrationErrors {
     pub realizations: u64,
     /// Those without points, where the estimator is a mean.
     pub left_out: u64,
+    /// The density that points come by, where it is no constant.
+    pub placed: Option<Placed>,
+}
+
+/// A density that points come by.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    /// Its specification.
+    pub spec: String,
+    /// How points come by it; `None` where they are said to have it.
+    pub by: Option<By>,
+    /// Number of points per realization, of those that are kept.
+    pub points: Measured,
+    /// What that should be.
+    pub expected: f64,
 }
 
 /// A number with its standard error.
@@ -80,8 +96,10 @@ pub struct IntegrationError {
     pub tail_share: f64,
     /// All of the prediction: frequencies, what closes them, and the number of points.
     pub closed: Measured,
-    /// Of the number of points, where it is random: `I^2` times the mean of `(n / lambda - 1)^2`.
+    /// Of the number of points, where it is random, or of their weights: `I^2` times the mean of `(c sum w - 1)^2`.
     pub count_term: f64,
+    /// What removal adds.
+    pub removal: Option<RemovalError>,
     /// What makes the error as it is another than that of shifts.
     pub phase: Measured,
     /// The same of low frequencies alone.
@@ -96,6 +114,19 @@ pub struct IntegrationError {
     pub rings: Vec<RingShare>,
     /// The frequencies that add most.
     pub modes: Vec<ModeShare>,
+}
+
+/// What is known of points that are kept at random.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RemovalError {
+    /// The part of the variance that removal adds, `int f^2 (1/lambda - 1/lambda_max)`.
+    pub variance: f64,
+    /// How far that may be off.
+    pub error: f64,
+    /// The mean squared error that the parents as they are lead to; `None` of ratios.
+    pub as_is: Option<Measured>,
+    /// The observed one against it, in standard errors of their differences.
+    pub z_as_is: Option<f64>,
 }
 
 /// What frequencies `|m|` in [k - 1/2, k + 1/2) add.
@@ -131,21 +162,49 @@ pub(super) const COMPLETE: f64 = 1e-12;
 impl IntegrationErrors {
     /// Of the sums.
     pub fn new(plan: &IntegrationPlan, sums: &IntegrationSums) -> Option<Self> {
-        let own = plan.estimator != Estimator::Lambda;
-        let counted: Vec<&RealizationSums> = sums.realizations.iter().filter(|r| !own || r.n > 0).collect();
-        let counts: Vec<f64> = counted.iter().map(|r| r.n as f64).collect();
-        let lambda = mean(&counts).filter(|lambda| *lambda > 0.0)?;
-        let weights: Vec<f64> = counts.iter().map(|n| 1.0 / if own { *n } else { lambda }).collect();
-        // E|s_m|^2 c^2, as a ratio where n varies: what all realizations add up to.
-        let scale = if own { mean(&weights)?.powi(2) } else { lambda.powi(-2) } / counted.len() as f64;
+        let needs_points = plan.estimator != Estimator::Lambda;
+        let is_ratio = matches!(plan.estimator, Estimator::Ratio | Estimator::CountRatio);
+        let counts_in = |r: &&RealizationSums| {
+            let left = r.removal.as_ref().is_none_or(|removal| removal.kept > 0 && removal.shifts > 0);
+            !needs_points || r.n > 0 && !(is_ratio && (r.weight == 0.0 || !left))
+        };
+        let counted: Vec<&RealizationSums> = sums.realizations.iter().filter(counts_in).collect();
+        let points = |r: &&RealizationSums| r.removal.as_ref().map_or(r.n, |removal| removal.kept) as f64;
+        let kept: Vec<f64> = counted.iter().map(points).collect();
+        let mean_points = Measured { value: mean(&kept)?, se: standard_error(&kept) };
+        let parents = mean(&counted.iter().map(|r| r.n as f64).collect::<Vec<_>>())?;
+        let (density, expected) = match &plan.importance {
+            None => (None, mean_points.value),
+            Some(Importance::Known(density)) => (Some((density.spec(), None)), density.integral()),
+            Some(Importance::Removal(removal)) => {
+                (Some((removal.density.spec(), Some(By::Removal))), removal.kept * parents)
+            }
+        };
+        let weigh = |r: &RealizationSums| match plan.estimator {
+            Estimator::Mean => (1.0 / r.n as f64, plan.weighted),
+            Estimator::CountRatio if !plan.weighted => (1.0 / r.n as f64, false),
+            Estimator::CountRatio => (expected / r.n as f64, true),
+            // Of unweighted points the sum of weights is their number.
+            Estimator::Ratio => (1.0 / r.weight, false),
+            Estimator::Lambda if plan.weighted => (1.0, true),
+            Estimator::Lambda => (1.0 / parents, true),
+        };
+        let factors: Vec<Factor> = (counted.iter())
+            .map(|r| {
+                let (c, varies) = weigh(r);
+                Factor { c, off: if varies { c * r.weight - 1.0 } else { 0.0 } }
+            })
+            .collect();
+        if factors.iter().any(|f| !f.c.is_finite()) {
+            return None;
+        }
         let power = sums.grid.mode_totals().q;
         let axes: Vec<Vec<f64>> = sums.axes.iter().map(|axis| axis.mode_totals().q).collect();
-        let totals = Totals { plan, power: &power, axes: &axes, scale, points: counts.iter().sum() };
-        let each = plan.integrands.iter().enumerate();
-        let each =
-            each.map(|(i, integrand)| one(&totals, i, integrand, &counted, &weights)).collect::<Option<Vec<_>>>()?;
+        let norm = counted.iter().map(|r| r.square).sum::<f64>() / (sums.unit * sums.unit);
+        let totals =
+            Totals { plan, power: &power, axes: &axes, unit: sums.unit, norm, counted: &counted, factors: &factors };
         Some(Self {
-            each,
+            each: (0..plan.integrands.len()).map(|i| one(&totals, i)).collect::<Option<Vec<_>>>()?,
             estimator: plan.estimator,
             pairs: plan.pairs,
             max_frequency: plan.max_frequency().to_vec(),
@@ -154,6 +213,7 @@ impl IntegrationErrors {
             shifts: (plan.shifts.len() / plan.domain.dim()) as u64,
             realizations: counted.len() as u64,
             left_out: (sums.realizations.len() - counted.len()) as u64,
+            placed: density.map(|(spec, by)| Placed { spec: spec.into(), by, points: mean_points, expected }),
         })
     }
 }
@@ -168,73 +228,101 @@ impl IntegrationErrors {
     }
 }
 
+/// What makes sums of a realization an estimate.
+#[derive(Clone, Copy)]
+struct Factor {
+    c: f64,
+    /// `c sum w - 1`; 0 where it is so by what c is, but for rounding.
+    off: f64,
+}
+
 /// What all integrands share.
 struct Totals<'a> {
     plan: &'a IntegrationPlan,
-    /// `sum |s_m|^2` over realizations, per stored mode.
+    /// `sum |s_m|^2` over realizations, per stored mode, of weights over `unit`.
     power: &'a [f64],
     axes: &'a [Vec<f64>],
-    /// Makes them a variance: c^2 over the number of realizations.
-    scale: f64,
-    /// Points of all realizations.
-    points: f64,
+    unit: f64,
+    /// `sum w^2` of all realizations, of the same: P is power over it.
+    norm: f64,
+    counted: &'a [&'a RealizationSums],
+    factors: &'a [Factor],
 }
 
-fn one(
-    totals: &Totals<'_>,
-    i: usize,
-    integrand: &Integrand,
-    counted: &[&RealizationSums],
-    weights: &[f64],
-) -> Option<IntegrationError> {
-    let (exact, v0) = (integrand.integral(), integrand.variance().max(0.0));
+fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
     let plan = totals.plan;
-    let k = counted.len() as f64;
-    let each: Vec<(&IntegrandSums, f64, f64)> =
-        counted.iter().zip(weights).map(|(r, c)| (&r.each[i], r.n as f64, *c)).collect();
-    let of = |value: &dyn Fn(&IntegrandSums, f64, f64) -> f64| -> Vec<f64> {
-        each.iter().map(|(sums, n, c)| value(sums, *n, *c)).collect()
+    let (integrand, averaged) = (&plan.integrands[i], &plan.averaged[i]);
+    let (exact, level, v0) = (integrand.integral(), averaged.integral(), averaged.variance().max(0.0));
+    let k = totals.counted.len() as f64;
+    let of = |value: &dyn Fn(&IntegrandSums, &RealizationSums, Factor) -> f64| -> Vec<f64> {
+        totals.counted.iter().zip(totals.factors).map(|(r, factor)| value(&r.each[i], r, *factor)).collect()
     };
     let measured = |values: &[f64]| Some(Measured { value: mean(values)?, se: standard_error(values) });
     let table = &plan.tables[i];
     let inside: f64 = table.grid.iter().sum::<f64>() + table.axes.iter().flatten().sum::<f64>();
     let rest = v0 - inside;
     let rest = if rest.abs() <= COMPLETE * v0 { 0.0 } else { rest.max(0.0) };
-    // 1/n times n is 1 but for rounding.
-    let own = plan.estimator != Estimator::Lambda;
-    let count = of(&|_, n, c| if own { 0.0 } else { (exact * (c * n - 1.0)).powi(2) });
-    let spectral = of(&|s, _, c| c * c * s.grid);
-    let axes = of(&|s, _, c| c * c * s.axes);
-    let rests = of(&|_, n, c| c * c * n * rest);
-    let tails: Vec<f64> = axes.iter().zip(&rests).map(|(a, b)| a + b).collect();
-    let spatial = of(&|s, n, c| c * c * (n * v0 + 2.0 * s.pairs).max(0.0));
+    let count = of(&|_, _, f| (level * f.off).powi(2));
+    let spectral = of(&|s, _, f| f.c * f.c * s.grid);
+    let axes = of(&|s, _, f| f.c * f.c * s.axes);
+    let rests = of(&|_, r, f| f.c * f.c * r.square * rest);
+    let tails = add(&axes, &rests);
+    let term = plan.removal().map(|removal| removal.terms[i]);
+    let removal = of(&|_, _, f| f.c * term.map_or(0.0, |term| term.value));
+    let spatial = of(&|s, r, f| f.c * f.c * (r.square * v0 + 2.0 * s.pairs).max(0.0));
     let by_pairs = plan.pairs != PairSum::None;
-    let add = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
-    let closed = add(&add(&spectral, &tails), &count);
-    let in_space = add(&spatial, &count);
+    let closed = add(&add(&add(&spectral, &tails), &count), &removal);
+    let in_space = add(&add(&spatial, &count), &removal);
     let stationarised = if plan.pairs == PairSum::Exact { in_space.clone() } else { closed.clone() };
-    let estimates = of(&|s, _, c| c * s.values);
-    let squared: Vec<f64> = estimates.iter().map(|e| (e - exact).powi(2)).collect();
-    let phases: Vec<f64> = squared.iter().zip(&stationarised).map(|(square, v)| square - v).collect();
-    // S(t) c - I = c (S(t) - n I) + I (c n - 1).
-    let shifted = of(&|s, n, c| {
-        let level = if own { 0.0 } else { exact * (c * n - 1.0) };
-        (c * c * s.shifted[1] + 2.0 * c * level * s.shifted[0] + level * level).max(0.0)
+    // c S - I = c (S - I sum w) + I off.
+    let parents = of(&|s, r, f| f.c * (s.values - level * r.weight) + level * f.off);
+    let is_ratio = matches!(plan.estimator, Estimator::Ratio | Estimator::CountRatio);
+    let kept = |value: &dyn Fn(&KeptSums, Factor) -> f64,
+                otherwise: &dyn Fn(&IntegrandSums, &RealizationSums, Factor) -> f64| {
+        of(&|s, r, f| r.removal.as_ref().map_or_else(|| otherwise(s, r, f), |removal| value(&removal.each[i], f)))
+    };
+    // The error of a ratio is what was summed.
+    let errors = kept(&|s, f| if is_ratio { s.error } else { f.c * s.error + exact * f.off }, &|s, r, f| {
+        f.c * (s.values - level * r.weight) + level * f.off
     });
-    let low = of(&|s, _, c| c * c * (s.low[0] * s.low[0] - s.low[1]));
-    let (rings, modes) = shares(totals, table);
+    let estimates: Vec<f64> = errors.iter().map(|e| exact + e).collect();
+    let squared: Vec<f64> = errors.iter().map(|e| e * e).collect();
+    let squared_error = |[first, second]: [f64; 2], f: Factor| {
+        let off = exact * f.off;
+        (f.c * f.c * second + 2.0 * f.c * off * first + off * off).max(0.0)
+    };
+    let shifted = kept(&|s, f| if is_ratio { s.shifted[1] } else { squared_error(s.shifted, f) }, &|s, _, f| {
+        squared_error(s.shifted, f)
+    });
+    let before: Vec<f64> = stationarised.iter().zip(&removal).map(|(v, removal)| v - removal).collect();
+    let phases: Vec<f64> = parents.iter().zip(&before).map(|(error, v)| error * error - v).collect();
+    let low = of(&|s, _, f| f.c * f.c * (s.low[0] * s.low[0] - s.low[1]));
+    let unit = v0 * mean(&of(&|_, r, f| f.c * f.c * r.square))?;
+    let removal_error = term.map(|term| {
+        let given = kept(&|s, f| f.c * f.c * s.given, &|_, _, _| 0.0);
+        let as_is: Vec<f64> = parents.iter().zip(&given).map(|(error, given)| error * error + given).collect();
+        let known = !is_ratio;
+        RemovalError {
+            variance: removal.iter().sum::<f64>() / k,
+            error: term.error * totals.factors.iter().map(|f| f.c).sum::<f64>() / k,
+            as_is: known.then(|| measured(&as_is)).flatten(),
+            z_as_is: known.then(|| paired(&squared, &as_is, unit)).flatten(),
+        }
+    });
+    let (rings, modes) = shares(totals, table, mean(&spectral)? + mean(&axes)?);
     let (mut predicted, mut all, mut in_space) = (measured(&spectral)?, measured(&closed)?, measured(&in_space)?);
-    if counted.len() == 1 {
-        [predicted.se, all.se] = single_errors(totals, table, weights[0]).map(Some);
+    if totals.counted.len() == 1 {
+        [predicted.se, all.se] = single_errors(totals, table, totals.factors[0].c).map(Some);
         in_space.se = all.se;
     }
-    let observed = observed(&estimates, integrand.square_integral());
+    let observed = observed(&errors, integrand.square_integral());
     let mean_estimate = measured(&estimates)?;
+    let bias = measured(&errors)?;
     Some(IntegrationError {
         integrand: integrand.clone(),
         v0,
         mean: mean_estimate,
-        bias: Measured { value: mean_estimate.value - exact, se: mean_estimate.se },
+        bias,
         observed,
         observed_interval: observed.and_then(|o| Some((o, o.se?))).filter(|(o, _)| o.value > 0.0).map(|(o, se)| {
             let reach = (1.96 * se / o.value).exp();
@@ -246,18 +334,23 @@ fn one(
         spectral: predicted,
         tail: mean(&tails)?,
         tail_axes: mean(&axes)?,
-        tail_bound: mean(&rests)? * highest_excess(plan, totals.power, totals.axes, totals.points),
+        tail_bound: mean(&rests)? * highest_excess(plan, totals.power, totals.axes, totals.norm),
         tail_share: if v0 > 0.0 { rest / v0 } else { 0.0 },
         closed: all,
         count_term: mean(&count)?,
+        removal: removal_error,
         phase: measured(&phases)?,
         phase_low: mean(&low)?,
-        z: paired(&shifted, &stationarised, v0 * mean(weights)?),
+        z: paired(&shifted, &stationarised, unit),
         estimates,
         stationarised,
         rings,
         modes,
     })
+}
+
+fn add(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 /// The variance of estimates (ddof 1) and its standard error by the fourth central moment, for few estimates at least half of what normal
@@ -296,7 +389,7 @@ fn single_errors(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, c: f6
         table.iter().zip(power).map(|(f, q)| square(f, q, 2.0)).sum()
     };
     let axes: f64 = table.axes.iter().zip(totals.axes).map(along).sum();
-    [grid, grid + axes].map(|sum| c * c * sum.sqrt())
+    [grid, grid + axes].map(|sum| (c * totals.unit).powi(2) * sum.sqrt())
 }
 
 /// How far P is from 1 where the grid ends: the largest, over directions, of means over its outermost tenth, and along axes. `power` over
@@ -325,8 +418,12 @@ pub(super) fn highest_excess(plan: &IntegrationPlan, power: &[f64], axes: &[Vec<
     along.fold(around, f64::max)
 }
 
-/// What rings and single modes add to the predicted variance.
-fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> (Vec<RingShare>, Vec<ModeShare>) {
+/// What rings and single modes add to the predicted variance, `variance` in all.
+fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, variance: f64) -> (Vec<RingShare>, Vec<ModeShare>) {
+    let product = |table: &[f64], power: &[f64]| table.iter().zip(power).map(|(f, q)| f * q).sum::<f64>();
+    let along: f64 = table.axes.iter().zip(totals.axes).map(|(table, power)| product(table, power)).sum();
+    let whole = product(&table.grid, totals.power) + along;
+    let scale = if whole > 0.0 { variance / whole } else { 0.0 };
     let mut rings: Vec<RingShare> = Vec::new();
     let mut modes: Vec<ModeShare> = Vec::new();
     let mut add = |m: [i32; 3], coefficient: f64, q: f64, twice: bool| {
@@ -337,7 +434,7 @@ fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> (Vec<Ring
         if rings.len() <= ring {
             rings.extend((rings.len()..=ring).map(|k| RingShare { m: k as f64, coefficients: 0.0, variance: 0.0 }));
         }
-        let variance = totals.scale * coefficient * q;
+        let variance = scale * coefficient * q;
         rings[ring].coefficients += coefficient;
         rings[ring].variance += variance;
         // Of a pair that is stored twice, one.
@@ -347,7 +444,7 @@ fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> (Vec<Ring
         let among = modes.len() < TOP || modes.last().is_some_and(|last| last.variance < variance);
         if first && among {
             let at = modes.partition_point(|other| other.variance >= variance);
-            modes.insert(at, ModeShare { m, coefficient, p: q / totals.points, variance });
+            modes.insert(at, ModeShare { m, coefficient, p: q / totals.norm, variance });
             modes.truncate(TOP);
         }
     };

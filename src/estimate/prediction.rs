@@ -1,7 +1,7 @@
 //! The variance of an integral as it follows from P alone, without points.
 //!
 //! With n points, `V = (1/n) [sum_R |f_m|^2 P(m) + T] + I^2 var(N) / n^2`: R are the frequencies at which P is known, `T = v0 - sum_R |f_m|^2` closes
-//! the sum with P = 1 beyond, and the last term is of the estimator lambda where the number of points is random.
+//! the sum with P = 1 beyond, and the last term is of the estimator lambda where the number of points is random. Removal adds `int f^2 (1/q - 1) / n`.
 
 use rayon::prelude::*;
 
@@ -27,6 +27,8 @@ pub struct Prediction {
     pub tail_bound: f64,
     /// Of the random number of points.
     pub count_term: f64,
+    /// What removal adds, where points are kept at random.
+    pub removal: f64,
 }
 
 impl Prediction {
@@ -57,8 +59,8 @@ impl Prediction {
             })
             .collect();
         let excess = highest_excess(plan, &around, &along, 1.0);
-        let one = |(integrand, table): (&Integrand, &crate::plan::IntegrandTable)| {
-            let v0 = integrand.variance().max(0.0);
+        let one = |(i, (integrand, table)): (usize, (&Integrand, &crate::plan::IntegrandTable))| {
+            let v0 = plan.averaged[i].variance().max(0.0);
             let (mut inside, mut sums, mut squares) = (0.0, [0.0; 2], 0.0);
             // Of the grid, and along axes beyond it.
             let mut add = |part: usize, f: f64, p: f64, times: f64| {
@@ -87,13 +89,14 @@ impl Prediction {
                 tail_axes: axes / n,
                 tail_bound: rest / n * excess,
                 count_term: integrand.integral().powi(2) * count_variance / (n * n),
+                removal: plan.removal().map_or(0.0, |removal| removal.terms[i].value / n),
             }
         };
-        plan.integrands.iter().zip(plan.tables.iter()).map(one).collect()
+        plan.integrands.iter().zip(plan.tables.iter()).enumerate().map(one).collect()
     }
 
     /// All of it together.
     pub fn variance(&self) -> f64 {
-        self.spectral.value + self.tail + self.count_term
+        self.spectral.value + self.tail + self.count_term + self.removal
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use errorfunctions::ComplexErrorFunctions;
 use rustfft::num_complex::Complex;
 
-use super::shape::{nearest, turn};
+use super::shape::{nearest, turn, wrap};
 use crate::fourier::transform;
 use crate::sinc::sinc;
 
@@ -80,12 +80,36 @@ impl Factor {
             Self::Interval { lo, hi } => f64::from(u8::from(*lo <= x && x < *hi)),
             Self::Power(p) => x.powi(*p as i32),
             Self::Cosine { k, phase } => (TAU * nearest(f64::from(*k) * x) + phase).cos(),
-            Self::Gaussian { sigma, center } => images(x - center, *sigma),
+            Self::Gaussian { sigma, center } => Images::new(*sigma).at(x - center),
             Self::CutGaussian { sigma, center } => (-0.5 * ((x - center) / sigma).powi(2)).exp(),
             Self::Steps(steps) => {
                 let n = steps.values.len();
                 steps.values[((x * n as f64) as usize).min(n - 1)]
             }
+        }
+    }
+
+    /// Multiplies `out` by its values at one coordinate of places. What kind it is is asked once.
+    pub(super) fn times_values(&self, x: &[[f64; 3]], axis: usize, out: &mut [f64]) {
+        let each = out.iter_mut().zip(x);
+        match self {
+            Self::Gaussian { sigma, center } => {
+                let images = Images::new(*sigma);
+                each.for_each(|(out, x)| *out *= images.at(x[axis] - center));
+            }
+            _ => each.for_each(|(out, x)| *out *= self.value(x[axis])),
+        }
+    }
+
+    /// The same by its autocorrelation at lags anywhere.
+    pub(super) fn times_autocorrelations(&self, r: &[[f64; 3]], axis: usize, out: &mut [f64]) {
+        let each = out.iter_mut().zip(r);
+        match self {
+            Self::Gaussian { sigma, .. } => {
+                let images = Images::new(sigma * std::f64::consts::SQRT_2);
+                each.for_each(|(out, r)| *out *= PI.sqrt() * sigma * images.at(r[axis]));
+            }
+            _ => each.for_each(|(out, r)| *out *= self.autocorrelation(wrap(r[axis]))),
         }
     }
 
@@ -144,7 +168,7 @@ impl Factor {
             Self::Power(p) => power_autocorrelation(*p as i32, r),
             Self::Cosine { k, .. } => 0.5 * (TAU * nearest(f64::from(*k) * r)).cos(),
             // The product of two Gaussians is one that is wider by sqrt 2, of their distance.
-            Self::Gaussian { sigma, .. } => PI.sqrt() * sigma * images(r, sigma * std::f64::consts::SQRT_2),
+            Self::Gaussian { sigma, .. } => PI.sqrt() * sigma * Images::new(sigma * std::f64::consts::SQRT_2).at(r),
             Self::CutGaussian { sigma, center } => {
                 let part = |from: f64, to: f64, t: f64| {
                     let at = |x: f64| libm::erf((x + t - center) / sigma);
@@ -170,13 +194,44 @@ impl Factor {
     }
 }
 
-/// `sum_j exp(-(x + j)^2 / 2 s^2)`.
-#[inline]
-fn images(x: f64, sigma: f64) -> f64 {
-    let x = nearest(x);
-    let scale = -0.5 / (sigma * sigma);
-    let reach = (0.5 + REACH * sigma).floor() as i32;
-    (-reach..=reach).map(|j| (scale * (x + f64::from(j)).powi(2)).exp()).sum()
+/// `sum_j exp(-(x + j)^2 / 2 s^2) = exp(-x^2 / 2 s^2) (1 + 2 sum_(j > 0) exp(-j^2 / 2 s^2) cosh(j x / s^2))`, ready for many x.
+struct Images {
+    scale: f64,
+    slope: f64,
+    /// `exp(-j^2 / 2 s^2)` from j = 1 on, as far as it counts.
+    far: [f64; MOST_IMAGES],
+    reach: usize,
+}
+
+/// Images to each side, at most: sigma is at most the root of 2.
+const MOST_IMAGES: usize = 14;
+
+impl Images {
+    #[inline]
+    fn new(sigma: f64) -> Self {
+        let scale = -0.5 / (sigma * sigma);
+        let reach = ((0.5 + REACH * sigma) as usize).min(MOST_IMAGES);
+        let far = std::array::from_fn(|j| if j < reach { (scale * ((j + 1) * (j + 1)) as f64).exp() } else { 0.0 });
+        Self { scale, slope: -2.0 * scale, far, reach }
+    }
+
+    #[inline]
+    fn at(&self, x: f64) -> f64 {
+        let x = nearest(x);
+        let near = (self.scale * x * x).exp();
+        if self.reach == 0 {
+            return near;
+        }
+        let right = (self.slope * x).exp();
+        let left = 1.0 / right;
+        let (mut a, mut b, mut sum) = (1.0, 1.0, 1.0);
+        for far in &self.far[..self.reach] {
+            a *= right;
+            b *= left;
+            sum += far * (a + b);
+        }
+        near * sum
+    }
 }
 
 /// `exp(-q^2) erf(u + i q)`, through the Faddeeva function w, which does not overflow (Abramowitz & Stegun 7.1).

@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex;
 use super::entry::{AXES, Entry, Given, wrong};
 use super::expression::Expression;
 use super::pieces::Pieces;
-use super::quadrature::{Integrals, over_box};
+use super::quadrature::{Integrals, SPREAD, over_box};
 use super::shape::{Shape, wrap};
 use super::spec::{Parameter, Takes};
 use crate::error::Result;
@@ -31,9 +31,6 @@ const CELLS: [usize; 3] = [4096, 256, 32];
 
 /// Errors are twice what half as many cells differ by.
 const SAFETY: f64 = 2.0;
-
-/// Steps of a sequence that is evenly spread in the box.
-const SPREAD: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
 
 struct Formula {
     dim: usize,

@@ -12,6 +12,7 @@ mod cells;
 mod checker;
 mod cosine;
 mod cut_gaussian;
+mod difference;
 mod disk;
 mod entry;
 mod expression;
@@ -36,6 +37,7 @@ mod zone_plate;
 use std::fmt;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 use crate::error::{Error, Result};
@@ -43,6 +45,7 @@ use crate::setting::Setting;
 
 pub use entry::Entry;
 pub use factors::{Factor, Steps};
+pub(crate) use quadrature::{Integral, nested};
 pub use separable::Separable;
 pub use spec::{Parameter, Takes};
 
@@ -145,6 +148,11 @@ impl Integrand {
         self.shape.value(padded(x))
     }
 
+    /// f at many places in [0, 1)^d; components beyond the dimension must be 0.
+    pub fn values(&self, x: &[[f64; 3]], out: &mut [f64]) {
+        self.shape.values(x, out);
+    }
+
     /// I, the integral of f.
     pub fn integral(&self) -> f64 {
         self.integral
@@ -203,6 +211,55 @@ impl Integrand {
     /// Its factors, if it is an offset and a product of functions of one coordinate each.
     pub fn separable(&self) -> Option<&Separable> {
         self.shape.separable()
+    }
+
+    /// f less `scale` times p, under the name of f.
+    pub(crate) fn less(&self, p: &Self, scale: f64) -> Self {
+        let shape = difference::Difference::new(self.dim, self.shape.clone(), p.shape.clone(), scale);
+        let (integral, square_integral) = (shape::Shape::integral(&shape), shape::Shape::square_integral(&shape));
+        Self { integral, square_integral, shape: Arc::new(shape), ..self.clone() }
+    }
+
+    /// Its largest value, and its least with the place where that is: of a grid, then by ever smaller steps from the best of it.
+    pub(crate) fn maximum(&self) -> (f64, (f64, [f64; 3])) {
+        let dim = self.dim;
+        let side = [1usize << 16, 512, 64][dim - 1];
+        let at = |i: usize, k: usize| {
+            if k < dim { (i / side.pow(k as u32) % side) as f64 / side as f64 + 0.5 / side as f64 } else { 0.0 }
+        };
+        let value = |i: usize| {
+            let x = std::array::from_fn(|k| at(i, k));
+            (self.shape.value(x), x)
+        };
+        let all = (0..side.pow(dim as u32)).into_par_iter().map(value);
+        let none = || ((f64::NEG_INFINITY, [0.0; 3]), (f64::INFINITY, [0.0; 3]));
+        let of = |v: (f64, [f64; 3])| (v, v);
+        let (most, least) = all
+            .map(of)
+            .reduce(none, |a, b| (if b.0.0 > a.0.0 { b.0 } else { a.0 }, if b.1.0 < a.1.0 { b.1 } else { a.1 }));
+        let climb = |start: (f64, [f64; 3]), sign: f64| {
+            let (mut best, mut step) = (start, 1.0 / side as f64);
+            while step > 1e-17 {
+                let mut better = None;
+                for k in 0..dim {
+                    for way in [-step, step] {
+                        let mut x = best.1;
+                        x[k] = (x[k] + way).clamp(0.0, 1.0 - f64::EPSILON / 2.0);
+                        let v = self.shape.value(x);
+                        if sign * v > sign * better.unwrap_or(best).0 {
+                            better = Some((v, x));
+                        }
+                    }
+                }
+                match better {
+                    Some(found) => best = found,
+                    None => step *= 0.5,
+                }
+            }
+            best
+        };
+        let most = self.shape.maximum().unwrap_or_else(|| climb(most, 1.0).0);
+        (most, climb(least, -1.0))
     }
 
     /// c of `|f_m|^2 ~ |m|^(-d-c)`, averaged over directions: 1 where f jumps, 3 where it has a kink, infinite where it is smooth, across

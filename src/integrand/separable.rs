@@ -3,7 +3,7 @@
 use rustfft::num_complex::Complex;
 
 use super::factors::Factor;
-use super::shape::{Shape, grid, wrap};
+use super::shape::{Shape, grid};
 
 /// `offset + scale * prod_k f_k(x_k)`: its f_m, a(r) and integrals are products too.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +53,14 @@ impl Shape for Separable {
         self.offset + self.scale * self.factors.iter().zip(x).map(|(f, x)| f.value(x)).product::<f64>()
     }
 
+    fn values(&self, x: &[[f64; 3]], out: &mut [f64]) {
+        out.fill(1.0);
+        for (axis, factor) in self.factors.iter().enumerate().filter(|(_, factor)| **factor != Factor::One) {
+            factor.times_values(x, axis, out);
+        }
+        out.iter_mut().for_each(|f| *f = self.offset + self.scale * *f);
+    }
+
     fn coefficient(&self, m: [i32; 3]) -> Complex<f64> {
         let product: Complex<f64> = self.factors.iter().zip(m).map(|(f, m)| f.coefficient(m)).product();
         let dc = if m == [0; 3] { self.offset } else { 0.0 };
@@ -68,9 +76,7 @@ impl Shape for Separable {
     fn autocorrelations(&self, r: &[[f64; 3]], out: &mut [f64]) {
         out.fill(1.0);
         for (axis, factor) in self.factors.iter().enumerate().filter(|(_, factor)| **factor != Factor::One) {
-            for (out, r) in out.iter_mut().zip(r) {
-                *out *= factor.autocorrelation(wrap(r[axis]));
-            }
+            factor.times_autocorrelations(r, axis, out);
         }
         let (constant, factor) = self.parts();
         out.iter_mut().for_each(|a| *a = constant + factor * *a);

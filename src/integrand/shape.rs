@@ -10,6 +10,13 @@ pub(super) trait Shape: Send + Sync {
     /// f at `x` in [0, 1)^d.
     fn value(&self, x: [f64; 3]) -> f64;
 
+    /// f at many places in [0, 1)^d. A loop of its own for every shape: nothing is looked up per place.
+    fn values(&self, x: &[[f64; 3]], out: &mut [f64]) {
+        for (out, &x) in out.iter_mut().zip(x) {
+            *out = self.value(x);
+        }
+    }
+
     /// I, the integral of f.
     fn integral(&self) -> f64 {
         self.coefficient([0; 3]).re
@@ -51,6 +58,11 @@ pub(super) trait Shape: Send + Sync {
     /// f_m on the whole grid `|m_k| <= max_k`, the first axis slowest, index m + max.
     fn coefficients(&self, max: [u32; 3]) -> Vec<Complex<f64>> {
         grid(max, |m| self.coefficient(m))
+    }
+
+    /// Its largest value, where it has only so many.
+    fn maximum(&self) -> Option<f64> {
+        None
     }
 
     /// Its factors, if it is an offset and a product of functions of one coordinate each.

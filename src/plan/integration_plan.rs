@@ -6,7 +6,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
-use super::{Accuracy, Batch, EnsembleShape, MAX_FREQUENCY, WaveGrid, WavePlan};
+use super::importance::density;
+use super::{Accuracy, Batch, EnsembleShape, MAX_FREQUENCY, Removal, WaveGrid, WavePlan};
 use crate::error::{Error, Result};
 use crate::integrand::Integrand;
 use crate::memory::Memory;
@@ -23,11 +24,13 @@ pub enum Estimator {
     Mean,
     /// The same where their number is random.
     Ratio,
-    /// The sum of f over the points, over the expected number of points.
+    /// The sum of f over the points, over the expected number of points; of points with weights the sum of w f.
     Lambda,
+    /// Of points with weights 1/lambda the sum of w f, times the expected number of points over theirs.
+    CountRatio,
 }
 
-named!(Estimator: Mean = "mean", Ratio = "ratio", Lambda = "lambda");
+named!(Estimator: Mean = "mean", Ratio = "ratio", Lambda = "lambda", CountRatio = "count-ratio");
 
 /// How points are placed by a density that is no constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,9 +40,20 @@ pub enum By {
     Removal,
     /// Points are mapped by the inverse of its distribution function.
     Warp,
+    /// Points are added where the density is high: refused.
+    Add,
 }
 
-named!(By: Removal = "removal", Warp = "warp");
+named!(By: Removal = "removal", Warp = "warp", Add = "add");
+
+/// How points come by a density that is no constant.
+#[derive(Debug, Clone)]
+pub enum Importance {
+    /// They are as dense as this, per box: each weighs one over it.
+    Known(Integrand),
+    /// Those at hand are parents, of which some are kept.
+    Removal(Removal),
+}
 
 /// How the sum over pairs of points is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,6 +79,12 @@ pub struct IntegrationPlan {
     pub domain: Domain,
     /// What is integrated.
     pub integrands: Arc<[Integrand]>,
+    /// What the points at hand average: the same, but for parents of a ratio by counts.
+    pub averaged: Arc<[Integrand]>,
+    /// How points come by a density, if by one.
+    pub importance: Option<Importance>,
+    /// Whether each point has a weight.
+    pub weighted: bool,
     /// The estimator.
     pub estimator: Estimator,
     /// All frequencies `|m_k| <= F_k`.
@@ -111,6 +131,8 @@ pub struct IntegrationSettings<'a> {
     pub intensity: Option<&'a str>,
     /// How they are.
     pub by: Option<By>,
+    /// Whether each point has a weight.
+    pub weighted: bool,
     /// The largest frequencies, if they are asked for.
     pub max_frequency: Option<&'a [u32]>,
     /// Largest low frequency of the truncated phase term.
@@ -141,34 +163,20 @@ impl IntegrationPlan {
         {
             return Err(Error::setting(Setting::Integrand, integrands[twice].spec(), "is given twice"));
         }
-        let estimator = match (settings.estimator, settings.equal) {
-            (None, true) => Estimator::Mean,
-            (None, false) => Estimator::Lambda,
-            (Some(Estimator::Mean), false) => {
-                let reason = "needs as many points in every realization; expected ratio or lambda";
-                return Err(Error::setting(Setting::Estimator, "mean", reason));
-            }
-            (Some(estimator), _) => estimator,
-        };
+        let weighted = settings.weighted || settings.intensity.is_some() && settings.by.is_none();
+        let estimator = estimator(&settings, weighted)?;
         if settings.shifts == 0 || settings.shifts > 1 << 16 {
             return Err(Error::setting(Setting::Shifts, settings.shifts, "expected 1 to 65536"));
         }
-        match (settings.intensity, settings.by) {
-            (None, None) => {}
-            (None, Some(by)) => {
-                return Err(Error::setting(
-                    Setting::By,
-                    by,
-                    "needs `intensity`, the density that points are placed by",
-                ));
+        let importance = Importance::new(&settings, &integrands, estimator)?;
+        let averaged: Vec<Integrand> = match &importance {
+            // To first order f - I p, p the density over its integral, has the variance of the ratio (integration by the delta method).
+            Some(Importance::Removal(removal)) if estimator == Estimator::CountRatio => {
+                let scale = |f: &Integrand| f.integral() / removal.density.integral();
+                integrands.par_iter().map(|f| f.less(&removal.density, scale(f))).collect()
             }
-            (Some(spec), None) => {
-                let reason =
-                    "says how dense points are, not how they are placed; expected `by` removal or warp beside it";
-                return Err(Error::setting(Setting::Intensity, spec, reason));
-            }
-            (Some(_), Some(by)) => return Err(Error::setting(Setting::By, by, "is not there yet")),
-        }
+            _ => integrands.clone(),
+        };
         let frequencies = match settings.max_frequency {
             Some(&[f]) => vec![f; dim],
             Some(each) => each.to_vec(),
@@ -191,17 +199,23 @@ impl IntegrationPlan {
         let low = WaveGrid::new(&vec![settings.low_frequency.unwrap_or([64, 8, 2][dim - 1]); dim])?;
         let pairs_in_all = shape.realizations as f64 * shape.mean_points.powi(2) / 2.0;
         let pairs = match pairs_in_all {
+            // a of a difference is not known well enough.
+            _ if matches!(importance, Some(Importance::Removal(_))) && estimator == Estimator::CountRatio => {
+                PairSum::None
+            }
             pairs if pairs * integrands.len() as f64 <= EXACT_BUDGET => PairSum::Exact,
             pairs if pairs <= DEPOSIT_BUDGET => PairSum::Deposit(nodes_per_side(dim)),
             _ => PairSum::None,
         };
         let shifts = lattice(settings.shifts, dim)?;
-        let tables =
-            integrands.par_iter().map(|i| IntegrandTable::new(i, &grid, &axes, &low, pairs)).collect::<Vec<_>>();
+        let tables = averaged.par_iter().map(|i| IntegrandTable::new(i, &grid, &axes, &low, pairs)).collect::<Vec<_>>();
         let batch = Batch::new(shape, shape.max_points * 72 + grid.waves.len() as u64 * 8);
         Ok(Self {
             domain: domain.clone(),
             integrands: integrands.into(),
+            averaged: averaged.into(),
+            importance,
+            weighted,
             estimator,
             grid,
             axes,
@@ -225,8 +239,16 @@ impl IntegrationPlan {
             low: table.low.clone(),
             nodes: nodes(integrand, cells),
         };
-        let tables = self.integrands.iter().zip(self.tables.iter()).map(table).collect();
+        let tables = self.averaged.iter().zip(self.tables.iter()).map(table).collect();
         Self { pairs: PairSum::Deposit(cells), tables, ..self }
+    }
+
+    /// The removal, if points are kept at random.
+    pub fn removal(&self) -> Option<&Removal> {
+        match &self.importance {
+            Some(Importance::Removal(removal)) => Some(removal),
+            _ => None,
+        }
     }
 
     /// The largest frequencies along each axis.
@@ -254,11 +276,68 @@ impl IntegrationPlan {
     }
 }
 
+/// The estimator asked for, or the usual one, if it can be.
+fn estimator(settings: &IntegrationSettings<'_>, weighted: bool) -> Result<Estimator> {
+    let wrong = |estimator: Estimator, reason: &str| Err(Error::setting(Setting::Estimator, estimator, reason));
+    match settings.estimator {
+        None if weighted => Ok(Estimator::Lambda),
+        None if settings.equal => Ok(Estimator::Mean),
+        None => Ok(Estimator::Lambda),
+        Some(Estimator::Mean) if !settings.equal => {
+            wrong(Estimator::Mean, "needs as many points in every realization; expected ratio or lambda")
+        }
+        Some(Estimator::CountRatio) if !weighted && settings.by != Some(By::Removal) => wrong(
+            Estimator::CountRatio,
+            "is for points with weights; expected `weight_column` or `intensity` beside it, or ratio",
+        ),
+        Some(Estimator::Ratio | Estimator::CountRatio) if settings.by == Some(By::Warp) => {
+            let reason = "has no part in a warp, whose densities are known; expected mean or lambda";
+            Err(Error::setting(Setting::Estimator, settings.estimator.map_or("", |e| e.name()), reason))
+        }
+        Some(estimator) => Ok(estimator),
+    }
+}
+
+impl Importance {
+    fn new(settings: &IntegrationSettings<'_>, integrands: &[Integrand], estimator: Estimator) -> Result<Option<Self>> {
+        let dim = integrands.first().map_or(2, Integrand::dim);
+        let Some(spec) = settings.intensity else {
+            return match settings.by {
+                None => Ok(None),
+                Some(by) => {
+                    let reason = "needs `intensity`, the density that points are placed by";
+                    Err(Error::setting(Setting::By, by, reason))
+                }
+            };
+        };
+        if settings.weighted {
+            let reason = "gives every point its weight; `weight_column` does too: expected one of them";
+            return Err(Error::setting(Setting::Intensity, spec, reason));
+        }
+        match settings.by {
+            None => Ok(Some(Self::Known(density(spec, dim)?))),
+            Some(By::Removal) => Ok(Some(Self::Removal(Removal::new(spec, integrands, estimator)?))),
+            Some(By::Warp) => Err(Error::setting(Setting::By, By::Warp, "is not there yet")),
+            Some(By::Add) => {
+                let reason = "points added to others have another g than these: what is predicted from it would be wrong, even below 0;                               expected removal, from a parent as dense as the largest value";
+                Err(Error::setting(Setting::By, By::Add, reason))
+            }
+        }
+    }
+}
+
 impl PartialEq for IntegrationPlan {
     fn eq(&self, other: &Self) -> bool {
         // Integrands, shifts and tables follow from these.
         let specs = |plan: &Self| plan.integrands.iter().map(|i| i.spec().to_string()).collect::<Vec<_>>();
+        let importance = |plan: &Self| match &plan.importance {
+            None => None,
+            Some(Importance::Known(density)) => Some((By::Warp, density.spec().to_string())),
+            Some(Importance::Removal(removal)) => Some((By::Removal, removal.density.spec().to_string())),
+        };
         specs(self) == specs(other)
+            && importance(self) == importance(other)
+            && self.weighted == other.weighted
             && (&self.domain, self.estimator, &self.grid, &self.axes, self.low, self.pairs, self.shape, self.batch)
                 == (
                     &other.domain,
@@ -358,6 +437,18 @@ impl fmt::Display for IntegrationPlan {
         let many = self.integrands.len();
         let frequencies: Vec<String> = self.max_frequency().iter().map(u32::to_string).collect();
         writeln!(f, "integration: {many} integrands, estimator {}", self.estimator.name())?;
+        match &self.importance {
+            None if self.weighted => writeln!(f, "  points weigh what they are given")?,
+            None => {}
+            Some(Importance::Known(density)) => writeln!(f, "  points weigh one over {}", density.spec())?,
+            Some(Importance::Removal(removal)) => writeln!(
+                f,
+                "  removal: {:.4} of the points are kept, by {} over {}",
+                removal.kept,
+                removal.density.spec(),
+                removal.maximum
+            )?,
+        }
         writeln!(f, "  spectral: |m| <= {}, along axes to {}", frequencies.join(", "), self.axis_frequency())?;
         match self.pairs {
             PairSum::Exact => writeln!(f, "  spatial: every pair"),

@@ -37,6 +37,8 @@ pub struct Ensemble {
     /// The weight of each point, scaled by a power of two so that the largest magnitude is in (1/2, 1]; `None` where every
     /// point weighs 1.
     weights: Option<Vec<f64>>,
+    /// What they are multiplied by to be what was given, a power of two.
+    weight_unit: f64,
     /// The class of each point; `None` where there is only one.
     classes: Option<Vec<u32>>,
 }
@@ -115,6 +117,7 @@ impl Ensemble {
             lengths,
             coordinates: Some(coordinates),
             weights: None,
+            weight_unit: 1.0,
             classes: None,
         })
     }
@@ -131,6 +134,7 @@ impl Ensemble {
     pub(crate) fn with_weights_of(mut self, weights: &[f64], largest: f64) -> Self {
         let scaled: Vec<f64> = scaled(weights, largest).collect();
         self.weights = Some(scaled);
+        self.weight_unit = 1.0 / self::scaled(&[1.0], largest).sum::<f64>();
         self
     }
 
@@ -156,6 +160,7 @@ impl Ensemble {
             lengths: self.lengths.as_ref().map(|l| cut(l, &kept)),
             coordinates: self.coordinates.as_ref().map(|c| cut(c, &kept)),
             weights: self.weights.as_ref().map(|w| kept.iter().map(|&j| w[j]).collect()),
+            weight_unit: self.weight_unit,
             classes: Some(marks(classes)),
         }
     }
@@ -234,6 +239,11 @@ impl Ensemble {
         self.weights.as_ref().map(|w| &w[self.range(k)])
     }
 
+    /// What `weights` are multiplied by to be those that were given: a power of two, infinite beyond the largest numbers.
+    pub(crate) fn weight_unit(&self) -> f64 {
+        self.weight_unit
+    }
+
     /// The class of each point of realization `k`; `None` where there is only one.
     pub fn classes(&self, k: usize) -> Option<&[u32]> {
         self.classes.as_ref().map(|c| &c[self.range(k)])
@@ -259,7 +269,17 @@ impl Ensemble {
         classes: Option<Vec<u32>>,
     ) -> Self {
         let offsets = vec![0, fractions[0].len()];
-        Self { domain, first_index: index, offsets, fractions, lengths, coordinates: None, weights, classes }
+        Self {
+            domain,
+            first_index: index,
+            offsets,
+            fractions,
+            lengths,
+            coordinates: None,
+            weights,
+            weight_unit: 1.0,
+            classes,
+        }
     }
 
     /// Position of point `j` of realization `k` in the domain's own units.
@@ -284,6 +304,7 @@ impl Ensemble {
             lengths: self.lengths.as_ref().map(|l| cut(l, &points)),
             coordinates: self.coordinates.as_ref().map(|c| cut(c, &points)),
             weights: self.weights.as_ref().map(|w| w[points.clone()].to_vec()),
+            weight_unit: self.weight_unit,
             classes: self.classes.as_ref().map(|c| c[points.clone()].to_vec()),
         }
     }
@@ -305,7 +326,7 @@ impl Ensemble {
     pub(crate) fn unweighted(&self) -> std::borrow::Cow<'_, Self> {
         match self.weights {
             None => std::borrow::Cow::Borrowed(self),
-            Some(_) => std::borrow::Cow::Owned(Self { weights: None, ..self.clone() }),
+            Some(_) => std::borrow::Cow::Owned(Self { weights: None, weight_unit: 1.0, ..self.clone() }),
         }
     }
 
@@ -320,6 +341,7 @@ impl Ensemble {
             lengths: None,
             coordinates: self.coordinates.as_ref().map(one),
             weights: self.weights.clone(),
+            weight_unit: self.weight_unit,
             classes: self.classes.clone(),
         }
     }

@@ -96,12 +96,17 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
         (None, false, None) => Estimator::Ratio,
         (other, false, _) => other.unwrap_or(Estimator::Lambda),
     };
+    if let (Some(spec), None) = (&request.intensity, request.by) {
+        let reason = "says what points weigh, and there are none here; expected `by` removal or warp beside it";
+        return Err(Error::setting(Setting::Intensity, spec, reason));
+    }
     let settings = IntegrationSettings {
         integrands: &request.integrand,
         estimator: Some(estimator),
         shifts: 1,
         intensity: request.intensity.as_deref(),
         by: request.by,
+        weighted: false,
         max_frequency: frequencies.as_deref(),
         low_frequency: Some(1),
         accuracy: Accuracy::default(),
@@ -202,6 +207,7 @@ impl Predicted {
             .floats("var_random", each.iter().map(|e| e.v0 / self.n))
             .optional("phase_low", empty())
             .floats("tail_axes", each.iter().map(|e| e.tail_axes))
+            .floats("removal", each.iter().map(|e| e.removal))
     }
 
     /// What is predicted, for a terminal.

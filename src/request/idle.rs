@@ -16,7 +16,7 @@ fn statistics(row: &Row, request: &Request) -> &'static [Statistic] {
 }
 
 /// Settings that integration reads too.
-const OF_INTEGRATION: [Setting; 2] = [Setting::MaxFrequency, Setting::CovarianceFrequency];
+const OF_INTEGRATION: [Setting; 3] = [Setting::MaxFrequency, Setting::CovarianceFrequency, Setting::WeightColumn];
 
 /// Whether a setting is refused without its statistics. The normalization always has a value, asked for or not.
 fn may_be_idle(row: &Row) -> bool {

@@ -332,10 +332,10 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "SPEC"))]
     pub integrand: Vec<String>,
 
-    /// mean, ratio or lambda
+    /// mean, ratio, lambda or count-ratio
     ///
     /// What estimates the integral: the mean of f over the points (mean; ratio where their number is random), or their sum over the
-    /// expected number (lambda).
+    /// expected number (lambda). Of points with weights the sum of w f (lambda), over that of w (ratio), or times the expected number over theirs (count-ratio).
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub estimator: Option<Estimator>,
 
@@ -347,7 +347,8 @@ pub struct Request {
 
     /// Importance sampling: points as dense as this
     ///
-    /// Importance sampling: points as dense as NAME or NAME:key=value,... (an integrand), which --by places. f over that density is averaged.
+    /// Importance sampling: points as dense as NAME or NAME:key=value,... (an integrand), placed so by --by; without it the points at hand are
+    /// that dense, per box. f over that density is averaged.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SPEC"))]
     pub intensity: Option<String>,
 

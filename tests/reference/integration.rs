@@ -24,6 +24,7 @@ fn plan(ensemble: &Ensemble, integrands: &[&str], accuracy: Accuracy, f: Option<
         shifts: 8,
         intensity: None,
         by: None,
+        weighted: false,
         max_frequency: f,
         low_frequency: Some(4),
         accuracy,

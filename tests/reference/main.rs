@@ -9,6 +9,7 @@ mod comparison_can_fail;
 mod coordinates;
 mod counts;
 mod discrepancy;
+mod importance;
 mod integrands;
 mod integration;
 mod intensity;

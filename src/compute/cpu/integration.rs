@@ -6,13 +6,15 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::Cpu;
+use super::lag_deposit::deposit;
 use super::wave_power::{WavePoints, amplitudes, wave_power_seen};
-use crate::accumulate::{IntegrandSums, IntegrationSums, RealizationSums};
+use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, RealizationSums, RemovalSums};
 use crate::compute::compensated::Compensated;
-use crate::compute::shifts::{places, random_shift, wrapped};
+use crate::compute::shifts::{lot, places, random_shift, weighted, weights, wrapped};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{IntegrationPlan, PairSum, WavePlan, WaveVectors};
+use crate::integrand::Integrand;
+use crate::plan::{Estimator, IntegrationPlan, PairSum, Removal, WavePlan, WaveVectors};
 use crate::points::Ensemble;
 
 /// Lags looked up at a time.
@@ -21,50 +23,62 @@ const ROW: usize = 512;
 /// Values whose sum is taken plainly.
 const CHUNK: usize = 256;
 
+/// Sums taken side by side.
+const LANES: usize = 8;
+
 pub(super) fn integration(
     cpu: &Cpu,
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     control: &Control,
 ) -> Result<IntegrationSums> {
-    let (count, many) = (ensemble.realizations(), plan.integrands.len());
+    let (count, many) = (ensemble.realizations(), plan.averaged.len());
     // The transform, one per axis, and the points.
     control.in_pieces(2 + plan.axes.len());
+    let ensemble = weighted(plan, ensemble)?;
+    let unit = ensemble.weight_unit();
     let seen = |waves: &WavePlan, points: &Ensemble, table: &(dyn Fn(usize) -> Vec<f64> + Sync)| {
         let tables: Vec<Vec<f64>> = (0..many).map(table).collect();
         let dots = Mutex::new(vec![vec![0.0; many]; count]);
         let see = |k: usize, power: &[f64]| {
-            let of_all: Vec<f64> = tables.iter().map(|table| dot(table, power)).collect();
+            let of_all: Vec<f64> = tables.iter().map(|table| dot(table, power) * unit * unit).collect();
             dots.lock().unwrap_or_else(PoisonError::into_inner)[k] = of_all;
         };
         let sums = wave_power_seen(cpu, waves, points, control, &see)?;
         Ok::<_, crate::error::Error>((sums, dots.into_inner().unwrap_or_else(PoisonError::into_inner)))
     };
-    let unweighted = ensemble.unweighted();
-    let (grid, on_grid) = seen(&plan.grid, &unweighted, &|i| plan.tables[i].grid.clone())?;
+    let (grid, on_grid) = seen(&plan.grid, &ensemble, &|i| plan.tables[i].grid.clone())?;
     let mut axes = Vec::new();
     let mut on_axes = vec![vec![0.0; many]; count];
     for (a, waves) in plan.axes.iter().enumerate() {
-        let (sums, dots) = seen(waves, &unweighted.on_axis(a, &waves.domain), &|i| plan.tables[i].axes[a].clone())?;
+        let (sums, dots) = seen(waves, &ensemble.on_axis(a, &waves.domain), &|i| plan.tables[i].axes[a].clone())?;
         axes.push(sums);
         on_axes.iter_mut().zip(dots).for_each(|(all, more)| all.iter_mut().zip(more).for_each(|(a, b)| *a += b));
     }
     let of_points = |k: usize| {
-        let mut each = of_points(cpu, plan, &unweighted, k, control)?;
-        for (i, sums) in each.iter_mut().enumerate() {
+        let mut sums = of_points(cpu, plan, &ensemble, k, control)?;
+        for (i, sums) in sums.each.iter_mut().enumerate() {
             (sums.grid, sums.axes) = (on_grid[k][i], on_axes[k][i]);
         }
         control.advance(1.0 / count as f64);
-        Ok(RealizationSums { index: ensemble.first_index() + k as u64, n: ensemble.points_in(k) as u64, each })
+        Ok(sums)
     };
     let realizations = cpu.pool.install(|| (0..count).into_par_iter().map(of_points).collect::<Result<Vec<_>>>())?;
-    Ok(IntegrationSums { grid, axes, integrands: many, realizations })
+    Ok(IntegrationSums { grid, axes, integrands: many, unit, realizations })
 }
 
 /// A sum of products whose rounding does not grow with its length.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let chunks = a.chunks(CHUNK).zip(b.chunks(CHUNK));
-    chunks.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).collect::<Compensated>().sum()
+    let lanes = |(a, b): (&[f64], &[f64])| {
+        let (a, rest_a) = a.as_chunks::<LANES>();
+        let (b, rest_b) = b.as_chunks::<LANES>();
+        let mut sums = [0.0; LANES];
+        for (a, b) in a.iter().zip(b) {
+            sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
+        }
+        sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum::<f64>()
+    };
+    a.chunks(CHUNK).zip(b.chunks(CHUNK)).map(lanes).collect::<Compensated>().sum()
 }
 
 /// What points alone give.
@@ -74,36 +88,130 @@ fn of_points(
     ensemble: &Ensemble,
     k: usize,
     control: &Control,
-) -> Result<Vec<IntegrandSums>> {
+) -> Result<RealizationSums> {
     let places = places(ensemble, k);
-    let dim = plan.domain.dim();
-    let mut each = vec![IntegrandSums::default(); plan.integrands.len()];
-    let offset = random_shift(ensemble.first_index() + k as u64);
-    for (integrand, sums) in plan.integrands.iter().zip(&mut each) {
+    let (dim, n) = (plan.domain.dim(), places.len());
+    let weights = weights(ensemble, k);
+    let index = ensemble.first_index() + k as u64;
+    let ones = vec![1.0; n];
+    let weight = weights.as_ref().unwrap_or(&ones);
+    let total = dot(weight, &ones);
+    let mut values = vec![0.0; n];
+    let mut sum_at = |integrand: &Integrand, places: &[[f64; 3]]| {
+        integrand.values(places, &mut values);
+        dot(&values, weight)
+    };
+    let mut each: Vec<IntegrandSums> = (plan.averaged.iter())
+        .map(|integrand| IntegrandSums { values: sum_at(integrand, &places), ..IntegrandSums::default() })
+        .collect();
+    let mut removing = plan.removal().map(|removal| Removing::new(plan, removal, index)).transpose()?;
+    if let Some(removing) = &mut removing {
+        removing.as_is(&places)?;
+    }
+    let offset = random_shift(index);
+    let mut moved = vec![[0.0; 3]; n];
+    let mut errors = vec![[Compensated::default(); 2]; each.len()];
+    for (at, shift) in plan.shifts.chunks_exact(dim).enumerate() {
         control.check()?;
-        sums.values = places.iter().map(|x| integrand.value(&x[..dim])).collect::<Compensated>().sum();
-        let expected = places.len() as f64 * integrand.integral();
-        let (mut first, mut second) = (Compensated::default(), Compensated::default());
-        for shift in plan.shifts.chunks_exact(dim) {
-            let shift: [f64; 3] = std::array::from_fn(|a| if a < dim { wrapped(shift[a] + offset[a]) } else { 0.0 });
-            let at = |x: &[f64; 3]| {
-                let x: [f64; 3] = std::array::from_fn(|a| x[a] + shift[a]).map(|x| if x < 1.0 { x } else { x - 1.0 });
-                integrand.value(&x[..dim])
-            };
-            let error = places.iter().map(at).collect::<Compensated>().sum() - expected;
-            first.add(error);
-            second.add(error * error);
+        let shift: [f64; 3] = std::array::from_fn(|a| if a < dim { wrapped(shift[a] + offset[a]) } else { 0.0 });
+        for (to, x) in moved.iter_mut().zip(&places) {
+            *to = std::array::from_fn(|a| x[a] + shift[a]).map(|x| if x < 1.0 { x } else { x - 1.0 });
         }
-        let shifts = (plan.shifts.len() / dim) as f64;
-        sums.shifted = [first.sum() / shifts, second.sum() / shifts];
+        for (integrand, errors) in plan.averaged.iter().zip(&mut errors) {
+            let error = sum_at(integrand, &moved) - total * integrand.integral();
+            errors[0].add(error);
+            errors[1].add(error * error);
+        }
+        if let Some(removing) = &mut removing {
+            removing.shifted(at, &moved)?;
+        }
+    }
+    let shifts = (plan.shifts.len() / dim) as f64;
+    for (sums, errors) in each.iter_mut().zip(&errors) {
+        sums.shifted = errors.each_ref().map(|sum| sum.sum() / shifts);
     }
     low(cpu, plan, ensemble, k, &mut each, control)?;
     match plan.pairs {
-        PairSum::Exact => exact_pairs(plan, ensemble, k, &mut each, control)?,
-        PairSum::Deposit(cells) => deposited_pairs(plan, ensemble, k, cells, &mut each, control)?,
+        PairSum::Exact => exact_pairs(plan, ensemble, k, weights.as_deref(), &mut each, control)?,
+        PairSum::Deposit(cells) => deposited_pairs(cpu, plan, ensemble, k, cells, &mut each, control)?,
         PairSum::None => {}
     }
-    Ok(each)
+    let removal = removing.map(|removing| removing.sums);
+    Ok(RealizationSums { index, n: n as u64, weight: total, square: dot(weight, weight), each, removal })
+}
+
+/// Points of a parent that are kept, and what they estimate.
+struct Removing<'a> {
+    plan: &'a IntegrationPlan,
+    removal: &'a Removal,
+    index: u64,
+    /// Probabilities, then `1/q` of points that are kept and 0 of others.
+    q: Vec<f64>,
+    kept: Vec<f64>,
+    values: Vec<f64>,
+    sums: RemovalSums,
+}
+
+impl<'a> Removing<'a> {
+    fn new(plan: &'a IntegrationPlan, removal: &'a Removal, index: u64) -> Result<Self> {
+        let sums = RemovalSums { kept: 0, shifts: 0, each: vec![KeptSums::default(); plan.integrands.len()] };
+        Ok(Self { plan, removal, index, q: Vec::new(), kept: Vec::new(), values: Vec::new(), sums })
+    }
+
+    /// Draws which are kept: how many.
+    fn draw(&mut self, shift: u64, places: &[[f64; 3]]) -> Result<u64> {
+        self.q.resize(places.len(), 0.0);
+        self.removal.probabilities(places, &mut self.q)?;
+        self.values.resize(places.len(), 0.0);
+        let index = self.index;
+        let keep = |((j, q), x): ((usize, &f64), &[f64; 3])| if lot(index, shift, j, x) < *q { 1.0 / q } else { 0.0 };
+        self.kept = self.q.iter().enumerate().zip(places).map(keep).collect();
+        Ok(self.kept.iter().filter(|w| **w > 0.0).count() as u64)
+    }
+
+    /// The error of an estimate by those that were drawn; `None` of a ratio without points.
+    fn error(&mut self, integrand: &Integrand, places: &[[f64; 3]], kept: u64) -> Option<f64> {
+        integrand.values(places, &mut self.values);
+        let sum = dot(&self.values, &self.kept);
+        let exact = integrand.integral();
+        match self.plan.estimator {
+            Estimator::Mean | Estimator::Lambda => Some(sum - places.len() as f64 * exact),
+            _ if kept == 0 => None,
+            Estimator::Ratio => Some(sum / self.kept.iter().sum::<f64>() - exact),
+            Estimator::CountRatio => Some(sum * self.removal.kept / kept as f64 - exact),
+        }
+    }
+
+    fn as_is(&mut self, places: &[[f64; 3]]) -> Result<()> {
+        let plan = self.plan;
+        self.sums.kept = self.draw(0, places)?;
+        for (i, integrand) in plan.integrands.iter().enumerate() {
+            let error = self.error(integrand, places, self.sums.kept).unwrap_or(0.0);
+            let squares =
+                self.values.iter().zip(&self.q).map(|(f, q)| if *f == 0.0 { 0.0 } else { f * f * (1.0 / q - 1.0) });
+            let given = squares.collect::<Compensated>().sum();
+            self.sums.each[i] = KeptSums { error, given, shifted: [0.0; 2] };
+        }
+        Ok(())
+    }
+
+    fn shifted(&mut self, at: usize, places: &[[f64; 3]]) -> Result<()> {
+        let plan = self.plan;
+        let kept = self.draw(1 + at as u64, places)?;
+        let mut seen = false;
+        for (i, integrand) in plan.integrands.iter().enumerate() {
+            if let Some(error) = self.error(integrand, places, kept) {
+                // Means, one shift after the other.
+                let times = 1.0 / (self.sums.shifts + 1) as f64;
+                let means = &mut self.sums.each[i].shifted;
+                means[0] += times * (error - means[0]);
+                means[1] += times * (error * error - means[1]);
+                seen = true;
+            }
+        }
+        self.sums.shifts += u64::from(seen);
+        Ok(())
+    }
 }
 
 /// Low frequencies: the linear form and the power.
@@ -115,7 +223,7 @@ fn low(
     each: &mut [IntegrandSums],
     control: &Control,
 ) -> Result<()> {
-    let waves = WaveVectors::from(plan.low);
+    let (waves, unit) = (WaveVectors::from(plan.low), ensemble.weight_unit());
     let mut s = vec![[0.0; 2]; waves.len()];
     amplitudes(cpu, &waves, &WavePoints::of(ensemble, k, &waves), &mut s, control)?;
     for (table, sums) in plan.tables.iter().zip(each) {
@@ -128,7 +236,7 @@ fn low(
                 power.add(times * f.norm_sqr() * (re * re + im * im));
             }
         }
-        sums.low = [linear.sum(), power.sum()];
+        sums.low = [linear.sum() * unit, power.sum() * unit * unit];
     }
     Ok(())
 }
@@ -138,12 +246,13 @@ fn exact_pairs(
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     k: usize,
+    weights: Option<&[f64]>,
     each: &mut [IntegrandSums],
     control: &Control,
 ) -> Result<()> {
     let axes = ensemble.fractions(k);
     let n = axes[0].len();
-    let squares: Vec<f64> = plan.integrands.iter().map(|i| i.integral() * i.integral()).collect();
+    let squares: Vec<f64> = plan.averaged.iter().map(|i| i.integral() * i.integral()).collect();
     let row = |i: usize| {
         control.check()?;
         let mut sums = vec![Compensated::default(); squares.len()];
@@ -156,9 +265,13 @@ fn exact_pairs(
                     lag[a] = x.wrapping_sub(axis[i]) as f64 * 2f64.powi(-64);
                 }
             }
-            for ((integrand, square), sum) in plan.integrands.iter().zip(&squares).zip(&mut sums) {
+            for ((integrand, square), sum) in plan.averaged.iter().zip(&squares).zip(&mut sums) {
                 integrand.autocorrelations(&lags[..len], &mut values[..len]);
-                sum.add(values[..len].iter().map(|a| a - square).sum());
+                let terms = values[..len].iter().map(|a| a - square);
+                sum.add(match weights {
+                    None => terms.sum(),
+                    Some(weights) => terms.zip(&weights[from..]).map(|(a, w)| a * w).sum::<f64>() * weights[i],
+                });
             }
         }
         Ok(sums.iter().map(Compensated::sum).collect::<Vec<f64>>())
@@ -172,6 +285,7 @@ fn exact_pairs(
 
 /// Pairs shared among the nodes around their lags.
 fn deposited_pairs(
+    cpu: &Cpu,
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     k: usize,
@@ -180,48 +294,10 @@ fn deposited_pairs(
     control: &Control,
 ) -> Result<()> {
     let axes = ensemble.fractions(k);
-    let deposited = match axes.as_slice() {
-        [x] => deposit([x], cells, control),
-        [x, y] => deposit([x, y], cells, control),
-        [x, y, z] => deposit([x, y, z], cells, control),
-        _ => return Ok(()),
-    }?;
+    let unit = ensemble.weight_unit();
+    let deposited = deposit(cpu, &axes, ensemble.weights(k), cells, control)?;
     for (table, sums) in plan.tables.iter().zip(each) {
-        sums.pairs = dot(&table.nodes, &deposited);
+        sums.pairs = dot(&table.nodes, &deposited) * unit * unit;
     }
     Ok(())
-}
-
-/// Per node of a grid of lags, x fastest, the share of all pairs i < j.
-fn deposit<const D: usize>(axes: [&[u64]; D], cells: usize, control: &Control) -> Result<Vec<f64>> {
-    let mut grid = vec![0.0; cells.pow(D as u32)];
-    let bits = cells.trailing_zeros();
-    let scale = 2f64.powi(-64);
-    let points: Vec<[u64; D]> = (0..axes[0].len()).map(|j| std::array::from_fn(|a| axes[a][j])).collect();
-    for (i, origin) in points.iter().enumerate() {
-        if i.is_multiple_of(64) {
-            control.check()?;
-        }
-        for point in &points[i + 1..] {
-            let (mut places, mut shares) = ([[0usize; 2]; D], [[0.0; 2]; D]);
-            for a in 0..D {
-                let lag = point[a].wrapping_sub(origin[a]);
-                let cell = (lag >> (64 - bits)) as usize;
-                let part = (lag << bits) as f64 * scale;
-                let stride = cells.pow(a as u32);
-                places[a] = [cell * stride, ((cell + 1) & (cells - 1)) * stride];
-                shares[a] = [1.0 - part, part];
-            }
-            for corner in 0..1usize << D {
-                let (mut at, mut share) = (0, 1.0);
-                for a in 0..D {
-                    let side = corner >> a & 1;
-                    at += places[a][side];
-                    share *= shares[a][side];
-                }
-                grid[at] += share;
-            }
-        }
-    }
-    Ok(grid)
 }

@@ -13,6 +13,7 @@ mod intensity;
 mod kernel_sums;
 mod lag_bins;
 mod lag_counts;
+mod lag_deposit;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]
 mod linear_bins;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, unused_imports, reason = "what vectors need"))]

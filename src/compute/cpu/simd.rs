@@ -5,10 +5,13 @@
     expect(unsafe_code, reason = "calls into functions for a detected instruction set")
 )]
 
+use std::ops::Range;
+
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
 use super::discrepancy::{Axis, KINDS, Row, pair_sums};
+use super::lag_deposit::{self, Lags};
 use super::nufft::Band;
 use super::phase_tables::{Panel, Table, fill};
 use super::wave_power::WavePoints;
@@ -89,6 +92,8 @@ by_level! {
     discrepancy_row = pair_sums::add_row(
         axes: &[Axis<'_>], means: &[Vec<f64>; 3], constants: &[f64; KINDS], i: usize, row: &mut Row
     );
+    /// Adds the pairs of some points to the cells of their lags.
+    deposit_lags = lag_deposit::add(lags: &Lags, rows: Range<usize>, corners: &mut [f32]);
     /// Adds the terms of one wave vector at a chunk of points.
     add_terms = terms::add(vector: &Vector, points: &WavePoints<'_>, sums: &mut [[f64; LANES]; 2]);
 }

@@ -11,6 +11,7 @@ use super::{Keys, Make, Output, Place, Room, Row, Turn, across};
 use crate::display::{escape, human, with_error};
 use crate::error::Result;
 use crate::estimate::{Analysis, IntegrationError, Measured};
+use crate::plan::By;
 
 /// Integration in a report.
 pub(crate) struct Here;
@@ -36,6 +37,12 @@ fn row(e: &IntegrationError) -> Value {
         "tail_axes": e.tail_axes,
         "tail_bound": e.tail_bound,
         "count_term": e.count_term,
+        "removal": e.removal.map(|r| json!({
+            "variance": r.variance,
+            "error": r.error,
+            "mse_predicted": r.as_is.map(number),
+            "z_as_is": r.z_as_is,
+        })),
         "phase": number(e.phase),
         "phase_low": e.phase_low,
         "z": e.z,
@@ -94,9 +101,13 @@ impl Room for Here {
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
         let out = a.integration().map(|found| {
             json!({
+                "intensity": found.placed.as_ref().map(|p| &p.spec),
+                "by": found.placed.as_ref().and_then(|p| p.by).map(|by| by.name()),
                 "estimator": found.estimator.name(),
                 "realizations": found.realizations,
                 "left_out": found.left_out,
+                "points": found.placed.as_ref().map(|p| number(p.points)),
+                "expected_points": found.placed.as_ref().map(|p| p.expected),
                 "spatial_method": tables::method(found),
                 "max_frequency": found.max_frequency,
                 "axis_frequency": found.axis_frequency,
@@ -148,6 +159,16 @@ impl Room for Here {
             )
         };
         let how = format!("integration, estimator {}, {} shifts:", found.estimator.name(), found.shifts);
-        std::iter::once(how).chain(found.each.iter().map(line)).collect()
+        let placed = found.placed.as_ref().map(|p| {
+            let number =
+                format!("{} per realization, {} expected", with_error(p.points.value, p.points.se), human(p.expected));
+            match p.by {
+                Some(By::Removal) => {
+                    format!("points are kept by {}: {number}; g, P and phase are of their parents", p.spec)
+                }
+                _ => format!("points weigh one over {}: {number}", p.spec),
+            }
+        });
+        std::iter::once(how).chain(placed).chain(found.each.iter().map(line)).collect()
     }
 }

@@ -6,12 +6,15 @@ use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, IntegrationSums, WavePower};
 use crate::compute::Session;
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::estimate::{Analysis, IntegrationErrors};
-use crate::plan::{Batch, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
+use crate::plan::{Batch, Importance, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 use crate::statistics::group::{Ask, Group, Parts, Subject, digest};
+
+/// Standard errors beyond which a difference is said to be one.
+const SURE: f64 = 5.0;
 
 /// Shifts of each realization where nothing is said.
 const SHIFTS: u32 = 16;
@@ -32,6 +35,7 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
         shifts: request.shifts.unwrap_or(SHIFTS),
         intensity: request.intensity.as_deref(),
         by: request.by,
+        weighted: request.input.weight_column.is_some(),
         max_frequency: request.max_frequency.as_deref(),
         low_frequency: request.covariance_frequency,
         accuracy: request.accuracy,
@@ -61,12 +65,18 @@ impl Group for Integration {
             PairSum::Deposit(nodes) => json!(nodes),
             PairSum::None => Value::Null,
         };
+        let density = plan.importance.as_ref().map(|importance| match importance {
+            Importance::Known(density) => json!([density.spec(), density.integral()]),
+            Importance::Removal(removal) => json!([removal.density.spec(), removal.maximum, removal.kept]),
+        });
         json!({
             "integrands": plan.integrands.iter().map(of).collect::<Vec<_>>(),
             "max_frequency": plan.max_frequency(),
             "axis_frequency": plan.axis_frequency(),
             "low_frequency": plan.low.max_frequency()[0],
             "shifts": digest(plan.shifts.iter().copied()),
+            "density": density,
+            "estimator": plan.importance.is_some().then(|| plan.estimator.name()),
             "pairs": pairs,
             "accuracy": plan.grid.accuracy.name(),
         })
@@ -86,6 +96,7 @@ impl Group for Integration {
             grid: none(&self.0.grid),
             axes: self.0.axes.iter().map(none).collect(),
             integrands: self.0.integrands.len(),
+            unit: 1.0,
             realizations: Vec::new(),
         }
     }
@@ -113,10 +124,37 @@ impl Group for Integration {
                 crate::error::plural(errors.left_out, "realization")
             ));
         }
-        if subject.request.input.weight_column.is_some() {
-            warnings.push("integration takes every point once, whatever its weight".into());
+        if let Some(placed) = &errors.placed {
+            let off = placed.points.se.map(|se| (placed.points.value - placed.expected) / se);
+            if let Some(z) = off.filter(|z| z.is_finite() && z.abs() > SURE) {
+                warnings.push(format!(
+                    "realizations have {} points on average, {} were expected ({z:.1} standard errors): `intensity` is not how dense they are",
+                    number(placed.points.value),
+                    number(placed.expected)
+                ));
+            }
         }
+        let uneven = errors.placed.is_some() || subject.request.input.weight_column.is_some();
         for one in &errors.each {
+            let z = one.bias.se.map(|se| one.bias.value / se.max(1e-13 * one.integrand.square_integral().sqrt()));
+            if let Some(z) = z.filter(|z| errors.realizations >= 10 && z.abs() > SURE) {
+                let why = if uneven {
+                    "the weights of points are not one over how dense they are, or where f is not 0 there are none"
+                } else {
+                    "points are denser in some places than in others"
+                };
+                warnings.push(format!(
+                    "{}: estimates are biased by {}, {z:.1} standard errors: {why}",
+                    one.integrand.spec(),
+                    number(one.bias.value)
+                ));
+            }
+            if let Some(z) = one.removal.and_then(|r| r.z_as_is).filter(|z| z.abs() > 4.5) {
+                warnings.push(format!(
+                    "{}: errors of the points that are kept and what their parents predict are {z:.1} standard errors apart",
+                    one.integrand.spec()
+                ));
+            }
             let (spec, whole) = (one.integrand.spec(), one.closed.value);
             if one.tail_bound > 0.02 * whole && one.tail_share > 0.0 && one.spatial.is_none() {
                 warnings.push(format!(

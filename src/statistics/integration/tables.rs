@@ -53,7 +53,11 @@ pub(super) fn variance(a: &Analysis) -> Option<Table> {
             .optional("var_observed_hi", each.iter().map(|e| Some(e.observed_interval?[1])))
             .floats("var_random", each.iter().map(|e| e.v0 / a.shape.mean_points))
             .floats("phase_low", each.iter().map(|e| e.phase_low))
-            .floats("tail_axes", each.iter().map(|e| e.tail_axes)),
+            .floats("tail_axes", each.iter().map(|e| e.tail_axes))
+            .floats("removal", each.iter().map(|e| e.removal.map_or(0.0, |r| r.variance)))
+            .optional("mse_predicted", each.iter().map(|e| Some(e.removal?.as_is?.value)))
+            .optional("mse_predicted_se", each.iter().map(|e| e.removal?.as_is?.se))
+            .optional("z_as_is", each.iter().map(|e| e.removal?.z_as_is)),
     )
 }
 
@@ -68,9 +72,12 @@ pub(super) fn attribution(a: &Analysis) -> Option<Table> {
             sum += ring.variance;
             rows.push((spec.into(), "ring".into(), Some(ring.m), ring.coefficients, ring.variance, sum));
         }
-        for (part, coefficients, variance) in
-            [("tail", one.tail_share * one.v0, one.tail - one.tail_axes), ("count", 0.0, one.count_term)]
-        {
+        let removal = one.removal.map_or(0.0, |r| r.variance);
+        for (part, coefficients, variance) in [
+            ("tail", one.tail_share * one.v0, one.tail - one.tail_axes),
+            ("count", 0.0, one.count_term),
+            ("removal", 0.0, removal),
+        ] {
             sum += variance;
             rows.push((spec.into(), part.into(), None, coefficients, variance, sum));
         }
