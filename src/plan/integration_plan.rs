@@ -429,7 +429,12 @@ fn nodes(integrand: &Integrand, cells: usize) -> Vec<f64> {
         }
         sum / (1usize << odd.len()) as f64
     };
-    (0..len).into_par_iter().map(|index| (4.0 * values[index] - coarse(index)) / 3.0).collect()
+    let mut nodes: Vec<f64> =
+        (0..len).into_par_iter().map(|index| (4.0 * values[index] - coarse(index)) / 3.0).collect();
+    // The integral of b is 0. Where a bends between nodes that of what is interpolated is not, which all pairs at lags of g = 1 would add.
+    let mean = nodes.iter().sum::<f64>() / len as f64;
+    nodes.iter_mut().for_each(|b| *b -= mean);
+    nodes
 }
 
 impl fmt::Display for IntegrationPlan {
