@@ -15,9 +15,15 @@ pub struct IntegrationSums {
     pub integrands: usize,
     /// What weights are measured in there, a power of two; 1 without weights.
     pub unit: f64,
+    /// Pairs i < j of all realizations around each node of lags (x fastest), times their weights over `unit`, in steps of `LAG_STEP`: integers,
+    /// whose sum does not depend on order. Empty where they are not deposited.
+    pub lags: Vec<i64>,
     /// Ordered by index.
     pub realizations: Vec<RealizationSums>,
 }
+
+/// Steps in which pairs around a node are added up over realizations.
+pub const LAG_STEP: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// What is kept of one realization.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +99,7 @@ impl Sums for IntegrationSums {
             return Err(Error::input("integration", "sums of other integrands"));
         }
         self.same_unit(&other)?;
+        self.add_lags(&other.lags);
         self.grid.merge(other.grid)?;
         self.axes.iter_mut().zip(other.axes).try_for_each(|(a, b)| a.merge(b))?;
         self.realizations.extend(other.realizations);
@@ -102,6 +109,7 @@ impl Sums for IntegrationSums {
 
     fn append(&mut self, next: Self) -> Result<()> {
         self.same_unit(&next)?;
+        self.add_lags(&next.lags);
         self.grid.append(next.grid)?;
         self.axes.iter_mut().zip(next.axes).try_for_each(|(a, b)| a.append(b))?;
         self.realizations.extend(next.realizations);
@@ -118,6 +126,7 @@ impl Sums for IntegrationSums {
         let removed = self.realizations.iter().any(|r| r.removal.is_some());
         out.value("removal", u8::from(removed));
         out.f64s("unit", [self.unit]);
+        out.u64s("lags", self.lags.iter().map(|count| count.cast_unsigned()));
         out.within("grid", |out| self.grid.encode(out));
         for (a, axis) in self.axes.iter().enumerate() {
             out.within(&format!("axis {a}"), |out| axis.encode(out));
@@ -140,6 +149,7 @@ impl Sums for IntegrationSums {
             return Err(from.error("integration of nothing, or of too many axes"));
         }
         let unit = from.f64s_of("unit", 1)?[0];
+        let lags = from.u64s("lags")?.into_iter().map(u64::cast_signed).collect();
         let grid = from.within("grid", WavePower::decode)?;
         let axes =
             (0..axes).map(|a| from.within(&format!("axis {a}"), WavePower::decode)).collect::<Result<Vec<_>>>()?;
@@ -172,11 +182,19 @@ impl Sums for IntegrationSums {
                 removal,
             })
             .collect();
-        Ok(Self { grid, axes, integrands, unit, realizations })
+        Ok(Self { grid, axes, integrands, unit, lags, realizations })
     }
 }
 
 impl IntegrationSums {
+    /// Adds other pairs.
+    pub(crate) fn add_lags(&mut self, lags: &[i64]) {
+        match self.lags.as_mut_slice() {
+            [] => self.lags = lags.to_vec(),
+            own => own.iter_mut().zip(lags).for_each(|(a, b)| *a = a.saturating_add(*b)),
+        }
+    }
+
     /// Sums in one unit of weights: that of whatever has been summed.
     fn same_unit(&mut self, other: &Self) -> Result<()> {
         match (self.realizations.is_empty(), other.realizations.is_empty()) {

@@ -20,7 +20,7 @@ pub use computed_by::{Backend, ComputedBy};
 pub use count_sums::{CountSums, Places, RealizationCounts};
 pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
-pub use integration_sums::{IntegrandSums, IntegrationSums, KeptSums, RealizationSums, RemovalSums};
+pub use integration_sums::{IntegrandSums, IntegrationSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
 pub use intensity_sums::{IntensityScores, IntensitySums, RealizationScores};
 pub use kernel_sums::{KernelCurve, KernelMoments, KernelSums};
 pub use lag_counts::LagCounts;

@@ -11,7 +11,7 @@
 //! without shifts, `(c S - I)^2 = V_k + phase_k`. Where of these points some are kept, each with probability q and then weighing 1/q, the variance
 //! grows by `c int f^2 (1/q - 1)`, and of the very points at hand it is `(c S - I)^2 + c^2 sum f^2 (1/q - 1)`.
 
-use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, RealizationSums};
+use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, LAG_STEP, RealizationSums};
 use crate::estimate::{Analysis, mean, standard_error};
 use crate::integrand::Integrand;
 use crate::plan::{By, Estimator, Importance, IntegrationPlan, PairSum};
@@ -104,6 +104,9 @@ pub struct IntegrationError {
     pub phase: Measured,
     /// The same of low frequencies alone.
     pub phase_low: f64,
+    /// The variance of the part of the estimate that low frequencies make (ddof 1): their centred covariance, `sum conj(f_m) f_l Cov(s_m, s_l)`;
+    /// `None` for K = 1.
+    pub var_low: Option<f64>,
     /// Shifted against predicted, in standard errors of their differences; `None` for K = 1 or where all of them are 0.
     pub z: Option<f64>,
     /// The estimates.
@@ -114,6 +117,23 @@ pub struct IntegrationError {
     pub rings: Vec<RingShare>,
     /// The frequencies that add most.
     pub modes: Vec<ModeShare>,
+    /// Shells of lags, and what each adds; empty where pairs are not summed.
+    pub lags: Vec<LagShare>,
+    /// What single points add, `c^2 v0 sum w^2`: all of it, were they independent.
+    pub alone: f64,
+}
+
+/// What pairs of points add whose lag, as a fraction of the box, has a length in [lo, hi).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LagShare {
+    /// The lower end.
+    pub lo: f64,
+    /// The upper end.
+    pub hi: f64,
+    /// Mean of `a - I^2` over lags.
+    pub excess: f64,
+    /// What pairs add: more than as many independent points would, whose pairs add 0 in all.
+    pub variance: f64,
 }
 
 /// What is known of points that are kept at random.
@@ -201,8 +221,16 @@ impl IntegrationErrors {
         let power = sums.grid.mode_totals().q;
         let axes: Vec<Vec<f64>> = sums.axes.iter().map(|axis| axis.mode_totals().q).collect();
         let norm = counted.iter().map(|r| r.square).sum::<f64>() / (sums.unit * sums.unit);
-        let totals =
-            Totals { plan, power: &power, axes: &axes, unit: sums.unit, norm, counted: &counted, factors: &factors };
+        let totals = Totals {
+            plan,
+            power: &power,
+            axes: &axes,
+            unit: sums.unit,
+            norm,
+            lags: &sums.lags,
+            counted: &counted,
+            factors: &factors,
+        };
         Some(Self {
             each: (0..plan.integrands.len()).map(|i| one(&totals, i)).collect::<Option<Vec<_>>>()?,
             estimator: plan.estimator,
@@ -245,6 +273,7 @@ struct Totals<'a> {
     unit: f64,
     /// `sum w^2` of all realizations, of the same: P is power over it.
     norm: f64,
+    lags: &'a [i64],
     counted: &'a [&'a RealizationSums],
     factors: &'a [Factor],
 }
@@ -310,6 +339,7 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
         }
     });
     let (rings, modes) = shares(totals, table, mean(&spectral)? + mean(&axes)?);
+    let lags = lag_shares(totals, table);
     let (mut predicted, mut all, mut in_space) = (measured(&spectral)?, measured(&closed)?, measured(&in_space)?);
     if totals.counted.len() == 1 {
         [predicted.se, all.se] = single_errors(totals, table, totals.factors[0].c).map(Some);
@@ -341,12 +371,21 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
         removal: removal_error,
         phase: measured(&phases)?,
         phase_low: mean(&low)?,
+        var_low: variance(&of(&|s, _, f| f.c * s.low[0])),
         z: paired(&shifted, &stationarised, unit),
         estimates,
         stationarised,
         rings,
         modes,
+        lags,
+        alone: v0 * mean(&of(&|_, r, f| f.c * f.c * r.square))?,
     })
+}
+
+/// With ddof 1.
+fn variance(values: &[f64]) -> Option<f64> {
+    let center = mean(values).filter(|_| values.len() >= 2)?;
+    Some(values.iter().map(|x| (x - center).powi(2)).sum::<f64>() / (values.len() - 1) as f64)
 }
 
 fn add(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -358,12 +397,11 @@ fn add(a: &[f64], b: &[f64]) -> Vec<f64> {
 fn observed(estimates: &[f64], scale: f64) -> Option<Measured> {
     let k = estimates.len() as f64;
     let center = mean(estimates).filter(|_| estimates.len() >= 2)?;
-    let moment = |p: i32| estimates.iter().map(|e| (e - center).powi(p)).sum::<f64>();
-    let variance = moment(2) / (k - 1.0);
+    let variance = variance(estimates)?;
     if variance <= 1e-25 * scale {
         return Some(Measured { value: 0.0, se: Some(0.0) });
     }
-    let fourth = moment(4) / k;
+    let fourth = estimates.iter().map(|e| (e - center).powi(4)).sum::<f64>() / k;
     let se = ((fourth - (k - 3.0) / (k - 1.0) * variance * variance) / k).max(0.0).sqrt();
     let floor = if k < 100.0 { variance * (2.0 / (k - 1.0)).sqrt() / 2.0 } else { 0.0 };
     Some(Measured { value: variance, se: Some(se.max(floor)) })
@@ -462,6 +500,44 @@ fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, variance: f6
     }
     rings.retain(|ring| ring.coefficients > 0.0);
     (rings, modes)
+}
+
+/// Shells of lags up to half a side, by width.
+const SHELLS_TO_HALF: usize = 64;
+
+/// What shells of lags add to the variance: pairs around every node times `a - I^2` there, less what as many pairs at random lags have.
+fn lag_shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> Vec<LagShare> {
+    let Some(side) = totals.plan.lag_nodes().filter(|_| totals.lags.len() == table.nodes.len()) else {
+        return Vec::new();
+    };
+    let dim = totals.plan.domain.dim();
+    // c varies where n does: then this is its mean.
+    let squared: f64 = totals.factors.iter().map(|f| f.c * f.c).sum::<f64>() / totals.factors.len() as f64;
+    let scale = 2.0 * squared * totals.unit * totals.unit * LAG_STEP / totals.counted.len() as f64;
+    let uniform = totals.lags.iter().map(|count| *count as f64).sum::<f64>() / totals.lags.len() as f64;
+    let width = 0.5 / SHELLS_TO_HALF as f64;
+    let shells = ((dim as f64).sqrt() * SHELLS_TO_HALF as f64).ceil() as usize + 1;
+    let (mut variances, mut excess, mut count) = (vec![0.0; shells], vec![0.0; shells], vec![0.0; shells]);
+    for (node, (pairs, b)) in totals.lags.iter().zip(&table.nodes).enumerate() {
+        let along = |a: usize| {
+            let place = node / side.pow(a as u32) % side;
+            place.min(side - place) as f64 / side as f64
+        };
+        let r = (0..dim).map(|a| along(a).powi(2)).sum::<f64>().sqrt();
+        let shell = ((r / width) as usize).min(shells - 1);
+        variances[shell] += scale * (*pairs as f64 - uniform) * b;
+        excess[shell] += b;
+        count[shell] += 1.0;
+    }
+    (0..shells)
+        .filter(|&k| count[k] > 0.0)
+        .map(|k| LagShare {
+            lo: k as f64 * width,
+            hi: (k + 1) as f64 * width,
+            excess: excess[k] / count[k],
+            variance: variances[k],
+        })
+        .collect()
 }
 
 impl Analysis {

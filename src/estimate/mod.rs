@@ -49,7 +49,9 @@ pub use diaphony::Diaphony;
 pub use discrepancy::{Discrepancies, Discrepancy, Length, NetQuality};
 pub use envelope::{Curve, Envelope, Envelopes};
 pub use hotelling::Hotelling;
-pub use integration::{IntegrationError, IntegrationErrors, Measured, ModeShare, Placed, RemovalError, RingShare};
+pub use integration::{
+    IntegrationError, IntegrationErrors, LagShare, Measured, ModeShare, Placed, RemovalError, RingShare,
+};
 pub use intensity::{Intensity, IntensityChoice};
 pub use k_function::KFunction;
 pub use lag_consistency::LagConsistency;

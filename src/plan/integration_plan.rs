@@ -114,7 +114,7 @@ pub(crate) struct IntegrandTable {
     pub(crate) axes: Vec<Vec<f64>>,
     /// `f_m` of the low frequencies, as stored.
     pub(crate) low: Vec<Complex<f64>>,
-    /// `a - I^2` at the nodes of lags, extrapolated from two spacings; empty where pairs are not deposited.
+    /// `a - I^2` at the nodes of lags, extrapolated from two spacings, of mean 0; empty where pairs are not summed.
     pub(crate) nodes: Vec<f64>,
 }
 
@@ -232,15 +232,12 @@ impl IntegrationPlan {
     #[doc(hidden)]
     #[must_use]
     pub fn with_deposit(self) -> Self {
-        let cells = nodes_per_side(self.domain.dim());
-        let table = |(integrand, table): (&Integrand, &IntegrandTable)| IntegrandTable {
-            grid: table.grid.clone(),
-            axes: table.axes.clone(),
-            low: table.low.clone(),
-            nodes: nodes(integrand, cells),
-        };
-        let tables = self.averaged.iter().zip(self.tables.iter()).map(table).collect();
-        Self { pairs: PairSum::Deposit(cells), tables, ..self }
+        Self { pairs: PairSum::Deposit(nodes_per_side(self.domain.dim())), ..self }
+    }
+
+    /// Nodes of lags per side that pairs are deposited on, be it only to say at which lags variance comes from; `None` where there are no pairs.
+    pub fn lag_nodes(&self) -> Option<usize> {
+        (self.pairs != PairSum::None).then(|| nodes_per_side(self.domain.dim()))
     }
 
     /// The removal, if points are kept at random.
@@ -392,8 +389,8 @@ impl IntegrandTable {
         };
         let low_modes = (0..low.half_len()).map(|index| integrand.coefficient(&low.mode(index)[..dim])).collect();
         let nodes = match pairs {
-            PairSum::Deposit(cells) => nodes(integrand, cells),
-            _ => Vec::new(),
+            PairSum::None => Vec::new(),
+            _ => nodes(integrand, nodes_per_side(dim)),
         };
         Self { grid: squares, axes: axes.iter().enumerate().map(on_axis).collect(), low: low_modes, nodes }
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::Cpu;
 use super::lag_deposit::deposit;
 use super::wave_power::{WavePoints, amplitudes, wave_power_seen};
-use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, RealizationSums, RemovalSums};
+use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
 use crate::compute::compensated::Compensated;
 use crate::compute::shifts::{lot, places, random_shift, weighted, weights, wrapped};
 use crate::control::Control;
@@ -55,8 +55,9 @@ pub(super) fn integration(
         axes.push(sums);
         on_axes.iter_mut().zip(dots).for_each(|(all, more)| all.iter_mut().zip(more).for_each(|(a, b)| *a += b));
     }
+    let lags = Mutex::new(vec![0i64; plan.lag_nodes().map_or(0, |nodes| nodes.pow(plan.domain.dim() as u32))]);
     let of_points = |k: usize| {
-        let mut sums = of_points(cpu, plan, &ensemble, k, control)?;
+        let mut sums = of_points(cpu, plan, &ensemble, k, &lags, control)?;
         for (i, sums) in sums.each.iter_mut().enumerate() {
             (sums.grid, sums.axes) = (on_grid[k][i], on_axes[k][i]);
         }
@@ -64,7 +65,8 @@ pub(super) fn integration(
         Ok(sums)
     };
     let realizations = cpu.pool.install(|| (0..count).into_par_iter().map(of_points).collect::<Result<Vec<_>>>())?;
-    Ok(IntegrationSums { grid, axes, integrands: many, unit, realizations })
+    let lags = lags.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(IntegrationSums { grid, axes, integrands: many, unit, lags, realizations })
 }
 
 /// A sum of products whose rounding does not grow with its length.
@@ -87,6 +89,7 @@ fn of_points(
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     k: usize,
+    lags: &Mutex<Vec<i64>>,
     control: &Control,
 ) -> Result<RealizationSums> {
     let places = places(ensemble, k);
@@ -131,10 +134,11 @@ fn of_points(
         sums.shifted = errors.each_ref().map(|sum| sum.sum() / shifts);
     }
     low(cpu, plan, ensemble, k, &mut each, control)?;
-    match plan.pairs {
-        PairSum::Exact => exact_pairs(plan, ensemble, k, weights.as_deref(), &mut each, control)?,
-        PairSum::Deposit(cells) => deposited_pairs(cpu, plan, ensemble, k, cells, &mut each, control)?,
-        PairSum::None => {}
+    if let Some(nodes) = plan.lag_nodes() {
+        deposited_pairs(cpu, plan, ensemble, k, nodes, lags, &mut each, control)?;
+    }
+    if plan.pairs == PairSum::Exact {
+        exact_pairs(plan, ensemble, k, weights.as_deref(), &mut each, control)?;
     }
     let removal = removing.map(|removing| removing.sums);
     Ok(RealizationSums { index, n: n as u64, weight: total, square: dot(weight, weight), each, removal })
@@ -284,20 +288,26 @@ fn exact_pairs(
 }
 
 /// Pairs shared among the nodes around their lags.
+#[expect(clippy::too_many_arguments, reason = "what there is to know of a realization, and two places to add to")]
 fn deposited_pairs(
     cpu: &Cpu,
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     k: usize,
-    cells: usize,
+    nodes: usize,
+    lags: &Mutex<Vec<i64>>,
     each: &mut [IntegrandSums],
     control: &Control,
 ) -> Result<()> {
     let axes = ensemble.fractions(k);
     let unit = ensemble.weight_unit();
-    let deposited = deposit(cpu, &axes, ensemble.weights(k), cells, control)?;
+    let deposited = deposit(cpu, &axes, ensemble.weights(k), nodes, control)?;
     for (table, sums) in plan.tables.iter().zip(each) {
         sums.pairs = dot(&table.nodes, &deposited) * unit * unit;
     }
+    let mut lags = lags.lock().unwrap_or_else(PoisonError::into_inner);
+    lags.iter_mut()
+        .zip(&deposited)
+        .for_each(|(sum, share)| *sum = sum.saturating_add((share / LAG_STEP).round() as i64));
     Ok(())
 }

@@ -38,6 +38,7 @@ pub(super) fn integration(plan: &IntegrationPlan, ensemble: &Ensemble, control: 
         axes: plan.axes.iter().map(none).collect(),
         integrands: plan.integrands.len(),
         unit,
+        lags: Vec::new(),
         realizations: Vec::new(),
     };
     let dim = plan.domain.dim();

@@ -152,3 +152,42 @@ pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
         layers,
     })
 }
+
+/// `attribution_lags.svg`: the predicted variance of single points and of pairs up to a distance, over that of single points alone.
+pub(super) fn lags(a: &Analysis) -> Option<Figure> {
+    let found = a.integration()?;
+    let mut layers = Vec::new();
+    let (mut end, mut high, mut low) = (0.05f64, 1f64, 0f64);
+    for (one, color) in found.each.iter().zip(COLORS.iter().cycle()) {
+        if one.alone <= 0.0 || one.lags.is_empty() {
+            continue;
+        }
+        let mut sum = one.alone;
+        let pairs = one.lags.iter().map(|shell| {
+            sum += shell.variance;
+            (shell.hi, sum / one.alone)
+        });
+        let run: Vec<(f64, f64)> = std::iter::once((0.0, 1.0)).chain(pairs).collect();
+        let last = run.last().map_or(1.0, |p| p.1);
+        high = run.iter().map(|p| p.1).fold(high, f64::max);
+        low = run.iter().map(|p| p.1).fold(low, f64::min);
+        // As far as it still changes.
+        end = run.iter().rev().find(|p| (p.1 - last).abs() > 0.01 * (1.0 + last.abs())).map_or(end, |p| end.max(p.0));
+        let name = one.integrand.spec().split(':').next().unwrap_or_default();
+        let stroke = if layers.len() < COLORS.len() { Stroke::Solid } else { Stroke::Dashed };
+        layers.push(Layer::Line { name: escape(name), color: *color, width: 2.0, stroke, runs: vec![run] });
+    }
+    (!layers.is_empty()).then(|| Figure {
+        title: Cow::Borrowed("At which distances correlation acts"),
+        subject: escape(&a.subject),
+        note: "predicted variance of single points and pairs up to |r|, over that of single points".into(),
+        x_label: "|r|, in sides of the box".into(),
+        y_label: "variance, of as many random points".into(),
+        x: 0.0..1.2 * end,
+        y: (1.05 * low)..1.05 * high,
+        log_x: false,
+        log_y: false,
+        top: None,
+        layers,
+    })
+}

@@ -45,6 +45,7 @@ fn row(e: &IntegrationError) -> Value {
         })),
         "phase": number(e.phase),
         "phase_low": e.phase_low,
+        "var_low": e.var_low,
         "z": e.z,
     })
 }
@@ -67,6 +68,12 @@ impl Room for Here {
                 a.integration()
                     .map(|_| "The part of the predicted variance that frequencies up to |<i>m</i>| add.".to_string())
             };
+            let distances = |a: &Analysis, _: &str| {
+                a.integration().map(|_| {
+                    "The predicted variance of single points and of pairs up to a distance, over that of single points alone: what correlation takes away, and where."
+                        .to_string()
+                })
+            };
             &[
                 Output::table("variance.csv", tables::variance).shown(
                     "integration error",
@@ -84,6 +91,7 @@ impl Room for Here {
                 ),
                 Output::table("attribution.csv", tables::attribution),
                 Output::table("attribution_modes.csv", tables::modes),
+                Output::table("attribution_lags.csv", tables::lags),
                 Output::array("estimates.npy", tables::estimates),
                 Output::array("stationarised.npy", tables::stationarised),
                 Output {
@@ -94,6 +102,7 @@ impl Room for Here {
                     shown: None,
                 },
                 Output::figure("attribution.svg", figures::attribution, "Integration error", sources),
+                Output::figure("attribution_lags.svg", figures::lags, "Integration error", distances),
             ]
         }
     }

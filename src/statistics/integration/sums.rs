@@ -97,6 +97,7 @@ impl Group for Integration {
             axes: self.0.axes.iter().map(none).collect(),
             integrands: self.0.integrands.len(),
             unit: 1.0,
+            lags: Vec::new(),
             realizations: Vec::new(),
         }
     }

@@ -57,7 +57,8 @@ pub(super) fn variance(a: &Analysis) -> Option<Table> {
             .floats("removal", each.iter().map(|e| e.removal.map_or(0.0, |r| r.variance)))
             .optional("mse_predicted", each.iter().map(|e| Some(e.removal?.as_is?.value)))
             .optional("mse_predicted_se", each.iter().map(|e| e.removal?.as_is?.se))
-            .optional("z_as_is", each.iter().map(|e| e.removal?.z_as_is)),
+            .optional("z_as_is", each.iter().map(|e| e.removal?.z_as_is))
+            .optional("var_low", each.iter().map(|e| e.var_low)),
     )
 }
 
@@ -91,6 +92,38 @@ pub(super) fn attribution(a: &Analysis) -> Option<Table> {
             .floats("variance", rows.iter().map(|r| r.4))
             .floats("cumulative", rows.iter().map(|r| r.5)),
     )
+}
+
+/// `attribution_lags.csv`: what single points add to the predicted variance, then pairs in each shell of lags, then what that does not resolve.
+pub(super) fn lags(a: &Analysis) -> Option<Table> {
+    let found = a.integration()?;
+    let mut rows: Vec<(String, &str, Option<[f64; 2]>, Option<f64>, f64, f64)> = Vec::new();
+    for one in found.each.iter().filter(|one| !one.lags.is_empty()) {
+        let spec = one.integrand.spec();
+        let mut sum = one.alone;
+        rows.push((spec.into(), "alone", None, Some(one.v0), one.alone, sum));
+        for shell in &one.lags {
+            sum += shell.variance;
+            rows.push((spec.into(), "lags", Some([shell.lo, shell.hi]), Some(shell.excess), shell.variance, sum));
+        }
+        let removal = one.removal.map_or(0.0, |r| r.variance);
+        let whole = one.spatial.map_or(sum, |spatial| spatial.value);
+        let unresolved = whole - one.count_term - removal - sum;
+        for (part, variance) in [("unresolved", unresolved), ("count", one.count_term), ("removal", removal)] {
+            sum += variance;
+            rows.push((spec.into(), part, None, None, variance, sum));
+        }
+    }
+    (!rows.is_empty()).then(|| {
+        Table::new()
+            .text("integrand", rows.iter().map(|r| r.0.clone()))
+            .text("part", rows.iter().map(|r| r.1.to_string()))
+            .optional("r_lo", rows.iter().map(|r| r.2.map(|ends| ends[0])))
+            .optional("r_hi", rows.iter().map(|r| r.2.map(|ends| ends[1])))
+            .optional("excess", rows.iter().map(|r| r.3))
+            .floats("variance", rows.iter().map(|r| r.4))
+            .floats("cumulative", rows.iter().map(|r| r.5))
+    })
 }
 
 /// `attribution_modes.csv`: the frequencies that add most, each with its mirror image.
