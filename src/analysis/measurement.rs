@@ -164,7 +164,9 @@ impl Measurement {
         let of_one = |points: &PointsRequest| PointsRequest { realizations: None, ..points.clone() };
         let same_points = of_one(&request.input) == of_one(&self.request.input);
         let computes_alike = (request.device, request.threads) == (self.request.device, self.request.threads);
-        if !same_points || !computes_alike {
+        // An estimate of the intensity is read off other realizations too.
+        let same_weights = request.input == self.request.input || request.input.inhomogeneous.is_none();
+        if !same_points || !same_weights || !computes_alike {
             *self = Self::live(request, device)?;
             return Ok(());
         }
@@ -423,6 +425,7 @@ impl Measurement {
         let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu"));
         let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
         found.domain = source.domain().clone();
+        found.findings.add(source.inhomogeneity().cloned());
         found.min_points = self.sizes.values().copied().min().unwrap_or(0);
         found.conventions = request.conventions();
         found.accuracy = request.accuracy;

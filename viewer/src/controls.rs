@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 18] = [
+    const WITHOUT: [Setting; 20] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -211,6 +211,8 @@ mod tests {
         Setting::Integrand,
         Setting::Estimator,
         Setting::Shifts,
+        Setting::IntensityColumn,
+        Setting::Inhomogeneous,
         Setting::IntensityBandwidth,
         Setting::IntensityGrid,
         // The list of files is edited as a whole.
