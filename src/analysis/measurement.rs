@@ -435,6 +435,7 @@ impl Measurement {
         for (part, sums) in &sums {
             part.estimate(sums.as_ref(), &subject, &mut found);
         }
+        found.warnings.extend(self.unweighted());
         if self.duplicates > 0 {
             let duplicates = self.duplicates;
             let coincide = if duplicates == 1 { "coincides" } else { "coincide" };
@@ -448,6 +449,31 @@ impl Measurement {
             }
         }
         Some(found)
+    }
+}
+
+impl Measurement {
+    /// What to know of points that are weighted by the inverse of their intensity.
+    fn unweighted(&self) -> Vec<String> {
+        let Some(found) = self.source.inhomogeneity() else { return Vec::new() };
+        let weighted = Setting::Inhomogeneous.row().map_or(&[][..], |row| row.statistics);
+        let others = self.request.stats.iter().filter(|s| !weighted.contains(s)).map(|s| s.name());
+        let integrals = (!self.request.integrand.is_empty()).then_some("integrals");
+        let others: Vec<&str> = others.chain(integrals).collect();
+        let mut warnings = Vec::new();
+        if !others.is_empty() {
+            warnings.push(format!(
+                "g(r), K, L, P and the covariance are those of an inhomogeneous process; not {}: they take all points alike",
+                others.join(", ")
+            ));
+        }
+        if let (Some(bandwidth), Some(0)) = (found.bandwidth, found.others) {
+            warnings.push(format!(
+                "the intensity is estimated from the points themselves: what is correlated over its bandwidth, {bandwidth:.4e}, and beyond \
+                 is taken for intensity"
+            ));
+        }
+        warnings
     }
 }
 

@@ -11,7 +11,7 @@ use crate::accumulate::intensity_scores;
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
 use crate::estimate::{Inhomogeneity, IntensityChoice};
-use crate::integrand::Integrand;
+use crate::integrand::{Integrand, find};
 use crate::plan::{IntensityBandwidth, IntensityPlan, IntensitySearch, KernelMass, kernel_sum};
 use crate::points::Ensemble;
 use crate::request::{ESTIMATE, PointsRequest};
@@ -207,7 +207,9 @@ impl Points {
             Some(_) => None,
             None => Some(Integrand::new(how, self.domain.dim()).map_err(|error| match error {
                 Error::Setting { setting: Setting::Integrand, value, reason } => {
-                    Error::setting(Setting::Inhomogeneous, value, reason)
+                    let unknown = find(how.split(':').next().unwrap_or(how).trim()).is_err();
+                    let or = if unknown { ", or estimate, a kernel estimate" } else { "" };
+                    Error::setting(Setting::Inhomogeneous, value, reason + or)
                 }
                 other => other,
             })?),
