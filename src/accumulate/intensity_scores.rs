@@ -27,7 +27,7 @@ fn realization(
     control: &Control,
 ) -> Result<RealizationScores> {
     let domain = &search.domain;
-    let (n, axes) = (ensemble.points_in(k), ensemble.from_corner(k));
+    let (n, axes) = (ensemble.points_in(k), ensemble.offsets_from_corner(k));
     let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
     for (a, axis) in axes.iter().enumerate() {
         let off = |x: &f64| x - 0.5 * domain.sides()[a];

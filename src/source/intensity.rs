@@ -159,7 +159,7 @@ impl Estimate {
         let most = (PAIRS / (n * n * k as f64)).max(2.0).min(k as f64) as u64;
         let one = |i: u64| {
             let index = (u128::from(i) * u128::from(k) / u128::from(most)) as u64;
-            Ok((index, points.batch(index..index + 1, control)?.from_corner(0)))
+            Ok((index, points.batch(index..index + 1, control)?.offsets_from_corner(0)))
         };
         Ok(Self { bandwidth, rule, from: (0..most).map(one).collect::<Result<_>>()? })
     }
@@ -225,7 +225,7 @@ impl Points {
                 }
                 let index = some.first_index() + k as u64;
                 let of_points = match (&estimate, &lambda) {
-                    (Some(estimate), _) => estimate.values(&self, index, &some.from_corner(k), control)?,
+                    (Some(estimate), _) => estimate.values(&self, index, &some.offsets_from_corner(k), control)?,
                     (None, Some(lambda)) => values(lambda, &some, k),
                     (None, None) => Vec::new(),
                 };

@@ -34,6 +34,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("edge-commas.txt", "0\n0,05;0,1\n");
     scratch.file("edge-commas2.txt", "# r\n0,05\n0,1\n");
     scratch.file("heavy.csv", "x,y,w\n0.1,0.2,1\n0.3,0.9,1e-30\n");
+    scratch.file("endless.csv", "x,y,w\n0.1,0.2,inf\n0.3,0.9,1\n");
     scratch.file("box.wkt", "POLYGON ((0 0, 1 0, 1 1, 0 1, 0 0.5, 0 0))\n");
     scratch.file("half.wkt", "SRID=25832;POLYGON ((0 0, 0.4 0, 0.4 1, 0 1, 0 0.5))\n");
     scratch.file("bow.wkt", "POLYGON ((0 0, 1 1, 1 0, 0 1, 0 0))\n");
@@ -570,6 +571,11 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "analyze heavy.csv --intensity-column v",
             1,
             "heavy.csv:1: --intensity-column v: no column of that name; there are x, y, w",
+        ),
+        (
+            "analyze endless.csv --intensity-column w",
+            1,
+            "endless.csv:2: the intensity there is inf; expected a finite number above 0",
         ),
         (
             "analyze below.csv --intensity-column w",

@@ -138,6 +138,8 @@ pub(super) struct Marks {
     pub(super) coordinates: Vec<usize>,
     pub(super) realization: Option<usize>,
     pub(super) weight: Option<usize>,
+    /// Whether weights are intensities.
+    pub(super) intensity: bool,
     pub(super) class: Option<usize>,
 }
 
@@ -273,6 +275,7 @@ impl Columns {
             coordinates: self.coordinates.iter().map(|c| index(Setting::Columns, c)).collect::<Result<_, _>>()?,
             realization: one(Setting::RealizationColumn, self.realization())?,
             weight: one(of_weights(self.intensity), self.weight.as_ref())?,
+            intensity: self.intensity,
             class: one(Setting::ClassColumn, self.class.as_ref())?,
         };
         let mut taken: Vec<(usize, Setting)> = marks.coordinates.iter().map(|&k| (k, Setting::Columns)).collect();
@@ -352,7 +355,7 @@ impl MarkedPoints {
         for (j, row) in rows().enumerate() {
             if let Some(k) = marks.weight {
                 split.weights.push(row[k]);
-                check_weight(row[k]).map_err(|reason| Error::input(split.points.place(j), reason))?;
+                check_weight(row[k], marks.intensity).map_err(|reason| Error::input(split.points.place(j), reason))?;
             }
             if let Some(k) = marks.class {
                 split.labels.push(row[k].to_string());
@@ -395,9 +398,10 @@ impl MarkedPoints {
 }
 
 /// What weights may be.
-pub(super) fn check_weight(weight: f64) -> Result<(), String> {
-    if weight.is_finite() {
-        return Ok(());
+pub(super) fn check_weight(weight: f64, intensity: bool) -> Result<(), String> {
+    match weight.is_finite() {
+        true => Ok(()),
+        false if intensity => Err(format!("the intensity there is {weight}; expected a finite number above 0")),
+        false => Err(format!("weight {weight}; weights must be finite")),
     }
-    Err(format!("weight {weight}; weights must be finite"))
 }
