@@ -22,9 +22,12 @@ pub struct Inhomogeneity {
 }
 
 impl Inhomogeneity {
-    /// How lambda came, in words.
+    /// How lambda came, in words to be put behind it.
     pub fn words(&self) -> String {
-        let Some(bandwidth) = self.bandwidth else { return self.intensity.clone() };
+        let Some(bandwidth) = self.bandwidth else {
+            let sign = if self.intensity.starts_with("column ") { "of" } else { "=" };
+            return format!("{sign} {}", self.intensity);
+        };
         let from = match self.others {
             Some(others) if others > 0 => "other realizations",
             _ => "the other points",
