@@ -51,10 +51,16 @@ settings! {
     RealizationColumn = "realization_column",
     /// Column of weights.
     WeightColumn = "weight_column",
+    /// Column of intensities.
+    IntensityColumn = "intensity_column",
     /// Column of classes.
     ClassColumn = "class_column",
     /// Files of simulations for envelopes.
     EnvelopeFrom = "envelope_from",
+    /// The intensity of an inhomogeneous process.
+    Inhomogeneous = "inhomogeneous",
+    /// Bandwidth of the intensity.
+    IntensityBandwidth = "intensity_bandwidth",
     /// Torus or window.
     Domain = "domain",
     /// Sides of the torus.
@@ -121,8 +127,6 @@ settings! {
     Intensity = "intensity",
     /// How points are placed by it.
     By = "by",
-    /// Bandwidth of the intensity.
-    IntensityBandwidth = "intensity_bandwidth",
     /// Cells per axis of the intensity.
     IntensityGrid = "intensity_grid",
     /// Taper of a window's spectrum.

@@ -164,7 +164,9 @@ impl Measurement {
         let of_one = |points: &PointsRequest| PointsRequest { realizations: None, ..points.clone() };
         let same_points = of_one(&request.input) == of_one(&self.request.input);
         let computes_alike = (request.device, request.threads) == (self.request.device, self.request.threads);
-        if !same_points || !computes_alike {
+        // An estimate of the intensity is read off other realizations too.
+        let same_weights = request.input == self.request.input || request.input.inhomogeneous.is_none();
+        if !same_points || !same_weights || !computes_alike {
             *self = Self::live(request, device)?;
             return Ok(());
         }
@@ -423,6 +425,7 @@ impl Measurement {
         let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu"));
         let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
         found.domain = source.domain().clone();
+        found.findings.add(source.inhomogeneity().cloned());
         found.min_points = self.sizes.values().copied().min().unwrap_or(0);
         found.conventions = request.conventions();
         found.accuracy = request.accuracy;
@@ -432,6 +435,7 @@ impl Measurement {
         for (part, sums) in &sums {
             part.estimate(sums.as_ref(), &subject, &mut found);
         }
+        found.warnings.extend(self.unweighted());
         if self.duplicates > 0 {
             let duplicates = self.duplicates;
             let coincide = if duplicates == 1 { "coincides" } else { "coincide" };
@@ -445,6 +449,31 @@ impl Measurement {
             }
         }
         Some(found)
+    }
+}
+
+impl Measurement {
+    /// What to know of points that are weighted by the inverse of their intensity.
+    fn unweighted(&self) -> Vec<String> {
+        let Some(found) = self.source.inhomogeneity() else { return Vec::new() };
+        let weighted = Setting::Inhomogeneous.row().map_or(&[][..], |row| row.statistics);
+        let others = self.request.stats.iter().filter(|s| !weighted.contains(s)).map(|s| s.name());
+        let integrals = (!self.request.integrand.is_empty()).then_some("integrals");
+        let others: Vec<&str> = others.chain(integrals).collect();
+        let mut warnings = Vec::new();
+        if !others.is_empty() {
+            warnings.push(format!(
+                "g(r), K, L, P and the covariance are those of an inhomogeneous process; not {}: they take all points alike",
+                others.join(", ")
+            ));
+        }
+        if let (Some(bandwidth), Some(0)) = (found.bandwidth, found.others) {
+            warnings.push(format!(
+                "the intensity is estimated from the points themselves: what is correlated over its bandwidth, {bandwidth:.4e}, and beyond \
+                 is taken for intensity"
+            ));
+        }
+        warnings
     }
 }
 

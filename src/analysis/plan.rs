@@ -47,8 +47,21 @@ impl Plan {
             plan.simulations_given = true;
         }
         let pairs = [Statistic::Pcf, Statistic::KFunction].iter().any(|s| request.stats.contains(s));
-        if let Some(column) = request.input.weight_column.as_ref().filter(|_| pairs) {
-            source.check_pair_weights(column)?;
+        let input = &request.input;
+        let weights = [
+            (Setting::WeightColumn, &input.weight_column),
+            (Setting::IntensityColumn, &input.intensity_column),
+            (Setting::Inhomogeneous, &input.inhomogeneous),
+        ];
+        if let Some((setting, Some(value))) = weights.into_iter().find(|(_, value)| value.is_some()) {
+            if input.is_inhomogeneous() && source.inhomogeneity().is_none() {
+                let reason = "these points have no intensity; what is opened by this request has it, and `Points::with_intensity` \
+                              gives it to points in memory";
+                return Err(Error::setting(setting, value, reason));
+            }
+            if pairs {
+                source.check_pair_weights(&format!("{} {value}", setting.mention()))?;
+            }
         }
         Ok(plan)
     }
@@ -88,6 +101,16 @@ impl Plan {
             let reason =
                 format!("simulated points would have no weights, those of the file have (`weight_column` {column})");
             return Err(Error::setting(Setting::Envelope, n, reason));
+        }
+        if request.input.is_inhomogeneous() {
+            let reason =
+                "simulations have no intensity that they could be weighted by (`inhomogeneous`, `intensity_column`)";
+            if let Some(n) = request.envelope {
+                return Err(Error::setting(Setting::Envelope, n, reason));
+            }
+            if let Some(from) = request.input.envelope_from.first() {
+                return Err(Error::setting(Setting::EnvelopeFrom, from.display(), reason));
+            }
         }
         Ok(Self { parts, lists, simulations, simulations_given: false, left_out, batch, shape })
     }

@@ -120,6 +120,9 @@ impl Measurement {
         out.value("classes", source.classes().to_vec());
         out.value("input", json!(source.input()));
         out.value("request", request_values(&self.request));
+        if let Some(found) = source.inhomogeneity() {
+            out.value("intensity", json!(found));
+        }
         let shape = source.shape();
         out.value("shape", json!([shape.realizations, shape.mean_points.to_bits(), shape.max_points]));
         out.value("duplicates", self.duplicates);
@@ -190,7 +193,8 @@ impl Measurement {
             (Some(_), true) => Points::open(&request.input)?,
             _ => {
                 let (subject, points) = (from.read("subject")?, identity["points"].clone());
-                Points::elsewhere(subject, domain.clone(), shape, classes, points, from.read("input")?)
+                let intensity = if from.value("intensity").is_ok() { from.read("intensity")? } else { None };
+                Points::elsewhere(subject, domain.clone(), shape, classes, points, from.read("input")?, intensity)
             }
         };
         let mut read = Self::new(request, Arc::new(source), plan);

@@ -4,10 +4,10 @@ use std::sync::OnceLock;
 
 use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
-use super::{Compute, NotHere, Work, binned_kernel, intensity_scores, reference::Reference};
+use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
 use crate::accumulate::{
     ComputedBy, CountSums, DiscrepancySums, IntegrationSums, IntensityScores, IntensitySums, KernelSums, LagCounts,
-    NeighborSums, PairCounts, WaveCovariance, WavePower,
+    NeighborSums, PairCounts, WaveCovariance, WavePower, intensity_scores,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
@@ -201,7 +201,7 @@ impl<'a> Session<'a> {
 
     /// On the CPU, whatever the device.
     pub(crate) fn intensity_scores(&self, search: &IntensitySearch, ensemble: &Ensemble) -> Result<IntensityScores> {
-        intensity_scores::scores(self.device.pool(), search, ensemble, self.control)
+        self.device.pool().install(|| intensity_scores(search, ensemble, self.control))
     }
 
     /// What the user should know about who computed.

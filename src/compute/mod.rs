@@ -9,7 +9,6 @@ mod compensated;
 pub mod cpu;
 mod device;
 pub mod gpu;
-mod intensity_scores;
 pub mod neighbors;
 pub mod reference;
 mod shifts;

@@ -35,4 +35,4 @@ pub use tone_map::ToneMap;
 pub use trace::{Drawn, Frame, Trace};
 pub(crate) use units::Units;
 pub use units::{Axis, AxisScale, FrequencyUnit, LengthUnit};
-pub(crate) use words::{error_note, kernel_name, packing_symbol, size};
+pub(crate) use words::{error_note, inhomogeneous_caption, kernel_name, packing_symbol, size, size_and_weights};

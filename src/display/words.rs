@@ -1,6 +1,6 @@
 //! What is said in the same words wherever it is shown.
 
-use super::human;
+use super::{escape, human};
 use crate::estimate::{Analysis, ErrorSource};
 use crate::plan::SmoothingKernel;
 
@@ -13,6 +13,23 @@ pub(crate) fn size(analysis: &Analysis) -> String {
         format!("{}–{} (mean {})", analysis.min_points, shape.max_points, human(shape.mean_points))
     };
     format!("n = {n}, K = {}", shape.realizations)
+}
+
+/// The same, and that points were weighted for g, K and P of an inhomogeneous process, if they were.
+pub(crate) fn size_and_weights(analysis: &Analysis) -> String {
+    let weights = if analysis.inhomogeneity().is_some() { " · points count 1/λ" } else { "" };
+    size(analysis) + weights
+}
+
+/// What to add to the caption of a picture of g, K or P of an inhomogeneous process.
+pub(crate) fn inhomogeneous_caption(analysis: &Analysis) -> String {
+    analysis.inhomogeneity().map_or(String::new(), |found| {
+        format!(
+            " Points count 1/<i>λ</i> here and in what they are compared with, the intensity <i>λ</i> {}: of independent points it is \
+             as if their intensity were the same everywhere.",
+            escape(&found.words())
+        )
+    })
 }
 
 /// What a band around an estimate shows; `theory` names the theory used for K = 1.

@@ -14,6 +14,7 @@ mod diaphony;
 mod discrepancy;
 mod envelope;
 mod hotelling;
+mod inhomogeneous;
 mod integration;
 mod intensity;
 mod k_function;
@@ -49,6 +50,7 @@ pub use diaphony::Diaphony;
 pub use discrepancy::{Discrepancies, Discrepancy, Length, NetQuality};
 pub use envelope::{Curve, Envelope, Envelopes};
 pub use hotelling::Hotelling;
+pub use inhomogeneous::Inhomogeneity;
 pub use integration::{
     IntegrationError, IntegrationErrors, LagShare, Measured, ModeShare, Placed, RemovalError, RingShare,
 };

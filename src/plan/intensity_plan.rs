@@ -90,7 +90,7 @@ const TRIED: usize = 24;
 const PAIRS: f64 = (1 << 23) as f64;
 
 /// The Gaussian kernel along an axis, of period `side` if it wraps.
-pub(crate) fn axis_kernel(distance: f64, bandwidth: f64, side: Option<f64>) -> f64 {
+fn axis_kernel(distance: f64, bandwidth: f64, side: Option<f64>) -> f64 {
     let at = |x: f64| {
         let z = x / bandwidth;
         if z.abs() > KERNEL_REACH { 0.0 } else { (-0.5 * z * z).exp() / (bandwidth * TAU.sqrt()) }
@@ -99,6 +99,23 @@ pub(crate) fn axis_kernel(distance: f64, bandwidth: f64, side: Option<f64>) -> f
     let nearest = distance - side * (distance / side).round();
     let images = (KERNEL_REACH * bandwidth / side + 0.5).floor() as i32;
     (-images..=images).map(|k| at(nearest + f64::from(k) * side)).sum()
+}
+
+/// The sum of the kernels of points at a place: both from the lower corner, the points by axis; `but` is left out.
+pub(crate) fn kernel_sum(domain: &Domain, bandwidth: f64, place: &[f64], axes: &[Vec<f64>], but: Option<usize>) -> f64 {
+    let side = |a: usize| domain.is_torus().then(|| domain.sides()[a]);
+    let kernel = |j: usize| {
+        let mut product = 1.0;
+        for (a, (x, axis)) in place.iter().zip(axes).enumerate() {
+            product *= axis_kernel(x - axis[j], bandwidth, side(a));
+            if product == 0.0 {
+                break;
+            }
+        }
+        product
+    };
+    let n = axes.first().map_or(0, Vec::len);
+    (0..n).filter(|j| Some(*j) != but).map(kernel).sum()
 }
 
 /// The part of a Gaussian between two ends.
@@ -239,21 +256,26 @@ impl IntensityPlan {
             let reason = format!("expected 2 to {most} cells per axis in {dim}D");
             return Err(Error::setting(Setting::IntensityGrid, cells, reason));
         }
-        let longest = domain.sides().iter().copied().fold(0.0, f64::max);
-        let bandwidth = match bandwidth {
-            IntensityBandwidth::Given(bandwidth) => {
-                if !(bandwidth > 0.0 && bandwidth <= longest) {
-                    let reason =
-                        format!("expected a standard deviation above 0 and at most the longest side, {longest}");
-                    return Err(Error::setting(Setting::IntensityBandwidth, bandwidth, reason));
-                }
-                bandwidth
-            }
-            _ => scott(uniform_spread(domain), shape.mean_points, dim),
-        };
+        let bandwidth = Self::bandwidth(domain, bandwidth, shape)?;
         let batch = Batch::new(shape, shape.max_points * 24 + 16 * (cells as u64).pow(dim as u32));
         let plan = Self { domain: domain.clone(), cells, bandwidth, mass: Arc::default(), batch, shape };
         Ok(plan.with_bandwidth(bandwidth))
+    }
+
+    /// A bandwidth that is given; one that is still to be found is Scott's of uniform points.
+    ///
+    /// # Errors
+    /// One that is not above 0 or longer than the longest side.
+    pub(crate) fn bandwidth(domain: &Domain, bandwidth: IntensityBandwidth, shape: EnsembleShape) -> Result<f64> {
+        let longest = domain.sides().iter().copied().fold(0.0, f64::max);
+        match bandwidth {
+            IntensityBandwidth::Given(bandwidth) if bandwidth > 0.0 && bandwidth <= longest => Ok(bandwidth),
+            IntensityBandwidth::Given(bandwidth) => {
+                let reason = format!("expected a standard deviation above 0 and at most the longest side, {longest}");
+                Err(Error::setting(Setting::IntensityBandwidth, bandwidth, reason))
+            }
+            _ => Ok(scott(uniform_spread(domain), shape.mean_points, domain.dim())),
+        }
     }
 
     /// The same with another bandwidth.

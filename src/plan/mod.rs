@@ -47,7 +47,7 @@ pub use importance::Removal;
 pub(crate) use integration_plan::IntegrandTable;
 pub use integration_plan::{By, Estimator, Importance, IntegrationPlan, IntegrationSettings, PairSum};
 pub use intensity_plan::{IntensityBandwidth, IntensityPlan, IntensitySearch};
-pub(crate) use intensity_plan::{KernelMass, axis_kernel, scott};
+pub(crate) use intensity_plan::{KernelMass, kernel_sum, scott};
 use kernel_plan::longest_distance;
 pub use kernel_plan::{KernelMethod, KernelPlan};
 pub(crate) use lag_plan::{DEFAULT_LAG_BINS, DEFAULT_LAG_RINGS};

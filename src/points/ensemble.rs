@@ -290,6 +290,12 @@ impl Ensemble {
             .collect()
     }
 
+    /// Per axis, the positions of realization `k` in the domain's own units, from its lower corner.
+    pub(crate) fn offsets_from_corner(&self, k: usize) -> Vec<Vec<f64>> {
+        let unit = self.domain.length_unit() / 2f64.powi(64);
+        self.lengths(k).iter().map(|axis| axis.iter().map(|&x| x as f64 * unit).collect()).collect()
+    }
+
     /// A copy of realizations `range` (counted from the first held here).
     pub fn slice(&self, range: std::ops::Range<usize>) -> Self {
         let points = self.offsets[range.start]..self.offsets[range.end];

@@ -45,16 +45,13 @@ pub(super) fn spectrum(analysis: &Analysis) -> Option<Svg> {
     let labels = axes.map(|axis| format!("ν_{} ({cycles})", ["x", "y", "z"][axis]));
     let caption = format!("P(m): {}. Tone map: {}.", image.seen, tone_text());
     let ticks = ToneMap::Reinhard.ticks(analysis.shape.mean_points);
+    let title = match analysis.inhomogeneity() {
+        None => "Power spectrum P(m)",
+        Some(_) => "Power spectrum P(m), inhomogeneous",
+    };
     Some(png::image(&image).map_err(Into::into).and_then(|png| {
         let insets = [Inset { png, extent, labels }];
-        svg(
-            ["Power spectrum P(m)", &analysis.subject, &size(analysis)],
-            &caption,
-            &insets,
-            ColorMap::Viridis,
-            "P",
-            &ticks,
-        )
+        svg([title, &analysis.subject, &size(analysis)], &caption, &insets, ColorMap::Viridis, "P", &ticks)
     }))
 }
 

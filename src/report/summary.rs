@@ -80,6 +80,7 @@ pub(super) fn json(a: &Analysis, files: Vec<&'static str>) -> serde_json::Result
     let bounded = a.spectrum().is_some();
     let accuracy = bounded.then(|| AccuracyOut { name: a.accuracy.name(), power_bound: a.accuracy.power_bound() });
     keys.add("accuracy", &accuracy)?;
+    keys.add("inhomogeneous", &a.inhomogeneity())?;
     for section in sections() {
         section.summary(a, &mut keys)?;
     }

@@ -1,7 +1,7 @@
 //! Settings that say nothing about what is asked for: refused when typed, left out when a viewer hides a panel.
 
-use super::settings::{Row, SETTINGS, changed_by};
-use super::{PointsRequest, Request, Statistic};
+use super::settings::{INHOMOGENEOUS, Row, SETTINGS, changed_by};
+use super::{ESTIMATE, PointsRequest, Request, Statistic};
 use crate::error::{Error, Result};
 use crate::setting::Setting;
 
@@ -31,9 +31,12 @@ fn given(request: &Request) -> impl Iterator<Item = &'static Row> {
 /// What is given and is about no statistic that is asked for.
 fn idle(request: &Request) -> impl Iterator<Item = &'static Row> {
     let integrates = !request.integrand.is_empty();
+    let estimates = request.input.inhomogeneous.as_deref() == Some(ESTIMATE)
+        && INHOMOGENEOUS.iter().any(|s| request.stats.contains(s));
     given(request)
         .filter(|row| !statistics(row, request).iter().any(|s| request.stats.contains(s)))
         .filter(move |row| !(integrates && OF_INTEGRATION.contains(&row.setting)))
+        .filter(move |row| !(estimates && row.setting == Setting::IntensityBandwidth))
 }
 
 /// A setting of a statistic that was not asked for would be silently ignored.
@@ -45,7 +48,8 @@ pub(crate) fn refuse_idle_settings(request: &Request) -> Result<()> {
             names => names.join(""),
         };
         let value = if idle.is_switch() { "(given)".into() } else { request.value(idle.setting) };
-        return Err(Error::setting(idle.setting, value, format!("needs {names} among `stats`")));
+        let or = if idle.setting == Setting::IntensityBandwidth { ", or `inhomogeneous` estimate" } else { "" };
+        return Err(Error::setting(idle.setting, value, format!("needs {names} among `stats`{or}")));
     }
     let drawn = request.input.sampler.is_some() || request.envelope.is_some() || request.input.files.is_empty();
     if let Some(seed) = request.input.seed.filter(|_| !drawn) {
@@ -125,13 +129,14 @@ mod tests {
     use Statistic::{Counts, Covariance, Discrepancy, Intensity, KFunction, Neighbors, Pcf, PcfVector};
 
     /// Every setting of the table in as few lines as the exclusions among them allow.
-    const LINES: [&str; 5] = [
+    const LINES: [&str; 6] = [
         "--r-max 0.1 --bins 9 --bin-scale log --beyond-half --kernel gaussian --bandwidth 0.01 --divisor d --exact-kernel \
          --class-column c --classes A,B --correction none --envelope 9 --lag-bins 8 --lag-max 0.1 --lag-rings 0.1 x",
         "--edges e.txt --weight-column w --envelope-from s --max-frequency 3 --sectors 4 --covariance-frequency 2 \
          --intensity-bandwidth 0.1 --intensity-grid 16 x",
         "--frequencies f.txt --taper sine --tapers 2 --debias none --window 0,1,0,1 x",
-        "--ring-directions 5 --convention utk x",
+        "--intensity-column l x",
+        "--inhomogeneous estimate --intensity-bandwidth 0.1 --ring-directions 5 --convention utk x",
         "--convention psa --bug-compatible x",
     ];
 

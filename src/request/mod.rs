@@ -132,6 +132,13 @@ pub struct PointsRequest {
     #[cfg_attr(feature = "cli", arg(long, value_name = "COLUMN"))]
     pub weight_column: Option<String>,
 
+    /// The column that holds the intensity at each point
+    ///
+    /// The column that holds the intensity at each point, by its name or its number from 1: g, K, L and P are then those of an
+    /// inhomogeneous process, each point counting 1/intensity.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "COLUMN"))]
+    pub intensity_column: Option<String>,
+
     /// The column that holds the class of each point
     ///
     /// The column that holds the class of each point, by its name or its number from 1.
@@ -144,6 +151,19 @@ pub struct PointsRequest {
     /// may be repeated. Each realization in them is a simulation, or as many in a row as the points have.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILES"))]
     pub envelope_from: Vec<PathBuf>,
+
+    /// g, K, L and P of an inhomogeneous process
+    ///
+    /// g, K, L and P of an inhomogeneous process, each point counting 1/intensity: that of a kernel estimate (estimate), or of a
+    /// function as `pairwave integrands` lists them, in fractions of the box and up to a factor.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "estimate|SPEC"))]
+    pub inhomogeneous: Option<String>,
+
+    /// Standard deviation of the intensity's kernel, or a rule
+    ///
+    /// Standard deviation of the Gaussian kernel of the intensity, or a rule: scott, or likelihood (likelihood cross-validation).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SD|RULE", allow_negative_numbers = true))]
+    pub intensity_bandwidth: Option<IntensityBandwidth>,
 
     /// What happens at the sides
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
@@ -359,12 +379,6 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub by: Option<By>,
 
-    /// Standard deviation of the intensity's kernel, or a rule
-    ///
-    /// Standard deviation of the Gaussian kernel of the intensity, or a rule: scott, or likelihood (likelihood cross-validation).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SD|RULE", allow_negative_numbers = true))]
-    pub intensity_bandwidth: Option<IntensityBandwidth>,
-
     /// Cells per axis of the intensity
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", allow_negative_numbers = true))]
     pub intensity_grid: Option<usize>,
@@ -423,6 +437,21 @@ pub struct Request {
     pub memory: Option<Memory>,
 }
 
+/// The word that asks for an estimate of the intensity.
+pub(crate) const ESTIMATE: &str = "estimate";
+
+impl PointsRequest {
+    /// Whether points are weighted by the inverse of their intensity.
+    pub fn is_inhomogeneous(&self) -> bool {
+        self.inhomogeneous.is_some() || self.intensity_column.is_some()
+    }
+
+    /// Whether points have weights.
+    pub fn is_weighted(&self) -> bool {
+        self.weight_column.is_some() || self.is_inhomogeneous()
+    }
+}
+
 impl Request {
     /// Everything that its convention decides.
     pub fn conventions(&self) -> Conventions {
@@ -467,7 +496,6 @@ impl Default for Request {
             shifts: None,
             intensity: None,
             by: None,
-            intensity_bandwidth: None,
             intensity_grid: None,
             taper: None,
             tapers: None,

@@ -83,6 +83,8 @@ pub struct Row {
 const PAIRS: &[Statistic] = &[Pcf, KFunction];
 /// Statistics of two classes, and those with envelopes.
 const OF_CLASSES: &[Statistic] = &[Pcf, KFunction, Neighbors];
+/// Statistics that points have weights for.
+pub(super) const INHOMOGENEOUS: &[Statistic] = &[Pcf, KFunction, Spectrum, Radial, Covariance];
 /// Statistics of frequencies.
 const WAVES: &[Statistic] = &[Spectrum, Radial];
 /// Why a program refuses settings of bins.
@@ -114,7 +116,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 58] = [
+pub static SETTINGS: [Row; 60] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -128,10 +130,17 @@ pub static SETTINGS: [Row; 58] = [
         otherwise: "x, y, z by name, else all of 1 to 3"),
     row!(RealizationColumn, "--realization-column", input.realization_column, Points, conflicts: &[Setting::Sampler]),
     row!(WeightColumn, "--weight-column", input.weight_column, Points, conflicts: &[Setting::Sampler],
-        statistics: &[Pcf, KFunction, Spectrum, Radial, Covariance], refused: Some("has no weights of points")),
+        statistics: INHOMOGENEOUS, refused: Some("has no weights of points")),
+    row!(IntensityColumn, "--intensity-column", input.intensity_column, Points,
+        conflicts: &[Setting::Sampler, Setting::WeightColumn], statistics: INHOMOGENEOUS, refused: Some("has no weights of points")),
     row!(ClassColumn, "--class-column", input.class_column, Points, conflicts: &[Setting::Sampler], statistics: OF_CLASSES),
     row!(EnvelopeFrom, "--envelope-from", input.envelope_from, Points, conflicts: &[Setting::Envelope],
         statistics: OF_CLASSES),
+    row!(Inhomogeneous, "--inhomogeneous", input.inhomogeneous, Statistics,
+        conflicts: &[Setting::WeightColumn, Setting::IntensityColumn, Setting::ClassColumn], statistics: INHOMOGENEOUS,
+        refused: Some("has no weights of points")),
+    row!(IntensityBandwidth, "--intensity-bandwidth", input.intensity_bandwidth, Statistics, statistics: &[Intensity],
+        default: Some("scott")),
     row!(Domain, "--domain", input.domain, Domain, otherwise: "torus; window with `window`"),
     row!(Sides, "--box", input.sides, Domain, usual: true, otherwise: "1 each"),
     row!(Window, "--window", input.window, Domain, usual: true, conflicts: &[Setting::Sides, Setting::Sampler]),
@@ -181,8 +190,6 @@ pub static SETTINGS: [Row; 58] = [
     row!(Shifts, "--shifts", shifts, Integration, needs: Some(Setting::Integrand), default: Some("16")),
     row!(Intensity, "--intensity", intensity, Integration, needs: Some(Setting::Integrand), otherwise: "uniform"),
     row!(By, "--by", by, Integration, needs: Some(Setting::Intensity)),
-    row!(IntensityBandwidth, "--intensity-bandwidth", intensity_bandwidth, Statistics, statistics: &[Intensity],
-        default: Some("scott")),
     row!(IntensityGrid, "--intensity-grid", intensity_grid, Statistics, statistics: &[Intensity],
         otherwise: "128 in 2D, 512 in 1D, 32 in 3D"),
     row!(Taper, "--taper", taper, Tapers, usual: true, statistics: WAVES, default: Some("bartlett"),

@@ -40,6 +40,8 @@ impl AllAxes {
     pub fn open(request: &PointsRequest, memory: Memory, control: &Control) -> Result<Self> {
         let refused = [
             (Setting::WeightColumn, &request.weight_column),
+            (Setting::IntensityColumn, &request.intensity_column),
+            (Setting::Inhomogeneous, &request.inhomogeneous),
             (Setting::ClassColumn, &request.class_column),
             (Setting::WindowPolygon, &request.window_polygon.as_ref().map(|path| path.display().to_string())),
         ];

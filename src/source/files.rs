@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::intensity::inverses;
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::points::read::{Columns, MarkedPoints, PointFile, ReadOptions};
@@ -26,6 +27,8 @@ pub(super) struct Marking {
     pub(super) wrap: bool,
     /// Whether there are weights, and the largest of all.
     pub(super) largest: Option<f64>,
+    /// Whether they are the inverses of what is read.
+    pub(super) inverse: bool,
     /// The numbers of the classes, if there are any.
     pub(super) classes: Option<HashMap<String, u32>>,
 }
@@ -79,7 +82,7 @@ impl Marking {
                 classes.extend(set.labels.iter().map(|label| numbers.get(label).copied().unwrap_or(u32::MAX)));
             }
             raw.push(set.points);
-            weights.extend(set.weights);
+            weights.extend(if self.inverse { inverses(&set.weights) } else { set.weights });
         }
         let mut ensemble = Ensemble::from_owned(raw, domain, self.wrap, first)?;
         if let Some(largest) = self.largest {

@@ -7,6 +7,7 @@ use serde_json::json;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::files::{Files, Marking};
+use super::intensity::{Intensity, Seen};
 use super::precision::Extent;
 use super::remarks::Remarks;
 use super::weights::Weights;
@@ -23,6 +24,7 @@ pub(super) struct FirstPass<'a> {
     pub(super) sizes: Vec<u64>,
     pub(super) hash: Xxh3Default,
     pub(super) weights: Weights,
+    intensities: Seen,
     pub(super) names: Vec<String>,
     pub(super) numbers: HashMap<String, u32>,
     pub(super) remarks: Remarks,
@@ -47,6 +49,7 @@ impl<'a> FirstPass<'a> {
             sizes: Vec::new(),
             hash: Xxh3Default::new(),
             weights: Weights::default(),
+            intensities: Seen::default(),
             names: Vec::new(),
             numbers: HashMap::new(),
             remarks,
@@ -87,7 +90,13 @@ impl<'a> FirstPass<'a> {
             for x in set.points.coordinates.iter().chain(&set.weights) {
                 self.hash.update(&x.to_le_bytes());
             }
-            self.weights.see(&set.weights, |j| set.points.place(j));
+            match self.request.intensity_column {
+                None => self.weights.see(&set.weights, |j| set.points.place(j)),
+                Some(_) => {
+                    let inverses = self.intensities.see(&set.weights, |j| set.points.place(j), "")?;
+                    self.weights.see(&inverses, |j| set.points.place(j));
+                }
+            }
             for label in &set.labels {
                 self.hash.update(&(label.len() as u64).to_le_bytes());
                 self.hash.update(label.as_bytes());
@@ -156,12 +165,14 @@ impl<'a> FirstPass<'a> {
     ) -> Result<Points> {
         let domain = self.domain()?;
         let warnings = self.warnings(&domain);
-        let Self { request, sizes, hash, weights, names, numbers, remarks, outside, .. } = self;
+        let Self { request, sizes, hash, weights, intensities, names, numbers, remarks, outside, .. } = self;
         let mut input = remarks.input;
         input.wrapped = request.wrap.then_some(outside);
+        let marked = request.weight_column.is_some() || request.intensity_column.is_some();
         let mut marks = Marking {
             wrap: request.wrap,
-            largest: request.weight_column.is_some().then_some(weights.largest),
+            largest: marked.then_some(weights.largest),
+            inverse: request.intensity_column.is_some(),
             classes: request.class_column.is_some().then_some(numbers),
         };
         let no_weight = marks.largest == Some(0.0);
@@ -179,14 +190,16 @@ impl<'a> FirstPass<'a> {
         let identity = json!({
             "digest": format!("{:032x}", hash.digest128()),
             "weights": request.weight_column,
+            "intensities": request.intensity_column,
             "classes": request.class_column,
             "columns": request.columns,
             "realizations": request.realization_column,
             "arrays": request.array,
             "wrap": request.wrap,
         });
-        Ok(Points {
+        let mut points = Points {
             simulations: None,
+            intensity: None,
             subject,
             domain,
             shape: EnsembleShape::of(&sizes),
@@ -197,6 +210,9 @@ impl<'a> FirstPass<'a> {
             input: Some(input),
             warnings,
             kind,
-        })
+        };
+        points.intensity =
+            request.intensity_column.as_ref().map(|column| Intensity::read(column, &intensities, &points));
+        Ok(points)
     }
 }

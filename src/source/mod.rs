@@ -3,6 +3,7 @@
 mod all_axes;
 mod files;
 mod first_pass;
+mod intensity;
 mod precision;
 mod remarks;
 mod weights;
@@ -18,10 +19,12 @@ use xxhash_rust::xxh3::Xxh3Default;
 pub use all_axes::AllAxes;
 use files::Files;
 use first_pass::FirstPass;
+use intensity::Intensity;
 use weights::Weights;
 
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
+use crate::estimate::Inhomogeneity;
 use crate::plan::MEMORY_BUDGET;
 use crate::points::read::{
     Columns, Input, MarkedPoints, PointFile, ReadOptions, TypedColumns, each_piece, extension, folders_left_out,
@@ -41,6 +44,8 @@ pub struct Points {
     identity: Value,
     classes: Vec<String>,
     weights: Weights,
+    /// What they are weighted by the inverse of.
+    intensity: Option<Intensity>,
     /// The fewest points of a realization, where that is known.
     fewest: u64,
     /// What was read, if it was read.
@@ -90,6 +95,7 @@ impl Points {
                 seed: None,
                 params: Vec::new(),
                 class_column: None,
+                inhomogeneous: None,
                 ..request.clone()
             };
             let simulations = Self::open_subject(&of_files, control)?;
@@ -104,6 +110,10 @@ impl Points {
     }
 
     fn open_subject(request: &PointsRequest, control: &Control) -> Result<Self> {
+        Self::open_plain(request, control)?.with_intensity(request, control)
+    }
+
+    fn open_plain(request: &PointsRequest, control: &Control) -> Result<Self> {
         if let Some(name) = &request.sampler {
             let n = request
                 .points
@@ -194,7 +204,7 @@ impl Points {
         pass.see(&sets)?;
         pass.remarks.input.files = 1;
         let nothing = |marks| Files { files: Vec::new(), options, columns, marks, last: Mutex::default() };
-        pass.finish(name.to_string(), Some(sets), nothing)
+        pass.finish(name.to_string(), Some(sets), nothing)?.with_intensity(request, &Control::default())
     }
 
     /// Realizations of points in memory: of each its coordinates, point by point.
@@ -236,6 +246,7 @@ impl Points {
             identity: json!({ "points": digest(&ensemble) }),
             classes: Vec::new(),
             weights: Weights::of(&ensemble),
+            intensity: None,
             fewest: (0..ensemble.realizations()).map(|k| ensemble.points_in(k) as u64).min().unwrap_or(0),
             input: None,
             warnings: Vec::new(),
@@ -276,6 +287,7 @@ impl Points {
             identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
             classes: Vec::new(),
             weights: Weights::default(),
+            intensity: None,
             fewest,
             input: None,
             warnings: Vec::new(),
@@ -294,6 +306,7 @@ impl Points {
             identity,
             classes: Vec::new(),
             weights: Weights::default(),
+            intensity: None,
             fewest: 0,
             input: None,
             warnings: Vec::new(),
@@ -310,6 +323,7 @@ impl Points {
         classes: Vec<String>,
         identity: Value,
         input: Option<Input>,
+        found: Option<Inhomogeneity>,
     ) -> Self {
         Self {
             subject,
@@ -318,6 +332,7 @@ impl Points {
             identity,
             classes,
             weights: Weights::default(),
+            intensity: found.map(Intensity::of_elsewhere),
             fewest: 0,
             input,
             warnings: Vec::new(),
@@ -386,14 +401,14 @@ impl Points {
     ///
     /// # Errors
     /// The first weight below 0, by its place; weights of which all but one are negligible in every realization.
-    pub fn check_pair_weights(&self, column: &str) -> Result<()> {
+    pub fn check_pair_weights(&self, of: &str) -> Result<()> {
         if let Some((place, weight)) = &self.weights.negative {
             let reason = format!("weight {}; g and K need weights of at least 0, P does not", number(*weight));
             return Err(Error::input(place, reason));
         }
         if !self.weights.second.is_some_and(|second| counts_in_pairs(second, self.weights.largest)) {
             let reason = format!(
-                "`weight_column` {column}: no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)"
+                "{of}: no realization has two points whose weights are not negligible beside the largest of all (2^-60 of it)"
             );
             return Err(Error::input(&self.subject, reason));
         }
@@ -410,6 +425,14 @@ impl Points {
     /// # Errors
     /// Files that changed since they were first read, what the sampler says, `Error::Cancelled`.
     pub fn batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
+        let batch = self.unweighted_batch(range, control)?;
+        Ok(match &self.intensity {
+            Some(intensity) => intensity.weigh(batch),
+            None => batch,
+        })
+    }
+
+    fn unweighted_batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
         match &self.kind {
             Kind::Held(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),
             Kind::Files(files) => files.batch(range, &self.domain, control),
@@ -444,6 +467,7 @@ fn columns(request: &PointsRequest, many_axes: bool) -> Result<Columns> {
         columns: request.columns.as_deref(),
         realization: request.realization_column.as_deref(),
         weight: request.weight_column.as_deref(),
+        intensity: request.intensity_column.as_deref(),
         class: request.class_column.as_deref(),
         array: request.array.as_deref(),
         many_axes,

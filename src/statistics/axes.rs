@@ -1,7 +1,10 @@
 //! The curves of a report, one row each: title and labels as every picture of them has them, and the columns of which a
 //! picture can be drawn again.
 
+use std::borrow::Cow;
+
 use crate::display::Units;
+use crate::estimate::Analysis;
 
 /// A figure of curves, and the table that it can be drawn from.
 #[derive(Clone, Copy)]
@@ -231,6 +234,14 @@ pub(crate) static DRAWN: [&Drawn; 13] = [
 ];
 
 impl Drawn {
+    /// The title, which says where g, K and P are those of an inhomogeneous process.
+    pub(crate) fn title_of(&self, a: &Analysis) -> Cow<'static, str> {
+        match a.inhomogeneity() {
+            None => self.title.into(),
+            Some(_) => format!("{}, inhomogeneous", self.title).into(),
+        }
+    }
+
     /// The label of the abscissa, in these units.
     pub(crate) fn x_label(&self, units: &Units) -> String {
         labelled(self.x, units)

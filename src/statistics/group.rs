@@ -48,10 +48,11 @@ pub(crate) struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// The process whose closed forms hold here: at the centres of our own bins and rings, on a cubic torus.
+    /// The process whose closed forms hold here: of points that are not weighted, at the centres of our own bins and rings, on a cubic torus.
     pub(crate) fn closed_forms(&self) -> Option<&Process> {
         let foreign = self.request.conventions().foreign;
-        self.process.filter(|_| !foreign && self.domain.is_cubic())
+        let uniform = !self.request.input.is_inhomogeneous();
+        self.process.filter(|_| !foreign && uniform && self.domain.is_cubic())
     }
 }
 

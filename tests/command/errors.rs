@@ -34,6 +34,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("edge-commas.txt", "0\n0,05;0,1\n");
     scratch.file("edge-commas2.txt", "# r\n0,05\n0,1\n");
     scratch.file("heavy.csv", "x,y,w\n0.1,0.2,1\n0.3,0.9,1e-30\n");
+    scratch.file("endless.csv", "x,y,w\n0.1,0.2,inf\n0.3,0.9,1\n");
     scratch.file("box.wkt", "POLYGON ((0 0, 1 0, 1 1, 0 1, 0 0.5, 0 0))\n");
     scratch.file("half.wkt", "SRID=25832;POLYGON ((0 0, 0.4 0, 0.4 1, 0 1, 0 0.5))\n");
     scratch.file("bow.wkt", "POLYGON ((0 0, 1 1, 1 0, 0 1, 0 0))\n");
@@ -521,7 +522,66 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         ),
         ("analyze ok.csv --stats spectrum --bins 3", 2, "--bins 3: needs pcf or k-function among --stats"),
         ("analyze ok.csv --intensity-grid 8", 2, "--intensity-grid 8: needs intensity among --stats"),
-        ("analyze ok.csv --intensity-bandwidth scott", 2, "--intensity-bandwidth scott: needs intensity among --stats"),
+        (
+            "analyze ok.csv --intensity-bandwidth scott",
+            2,
+            "--intensity-bandwidth scott: needs intensity among --stats, or --inhomogeneous estimate",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous formula:1+x --intensity-bandwidth scott",
+            2,
+            "--intensity-bandwidth scott: needs intensity among --stats, or --inhomogeneous estimate",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous gausian",
+            2,
+            "--inhomogeneous gausian: no such integrand (did you mean gaussian?); expected one of disk, box, step, interval, steps, half-plane, gaussian, cut-gaussian, ramp, monomial, cosine, checker, zone-plate, bump, image, formula, table, or estimate, a kernel estimate",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous formula:0.3-x",
+            1,
+            "ok.csv, realization 0, point 1 at 0.3,0.9: the intensity there is 0; expected a finite number above 0",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous estimate --intensity-bandwidth 0.01",
+            1,
+            "ok.csv, realization 0, point 0 at 0.1,0.2: the intensity there is 0; expected a finite number above 0: a larger --intensity-bandwidth reaches more points",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous estimate --intensity-bandwidth 2",
+            2,
+            "--intensity-bandwidth 2: expected a standard deviation above 0 and at most the longest side, 1",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous estimate --stats neighbors",
+            2,
+            "--inhomogeneous estimate: needs pcf, k-function, spectrum, radial or covariance among --stats",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous estimate --envelope 9",
+            2,
+            "--envelope 9: simulations have no intensity that they could be weighted by (--inhomogeneous, --intensity-column)",
+        ),
+        (
+            "analyze ok.csv --inhomogeneous estimate --projections",
+            2,
+            "--inhomogeneous estimate: is not there where pairs of axes or prefixes are measured (--projections, --prefixes)",
+        ),
+        (
+            "analyze heavy.csv --intensity-column v",
+            1,
+            "heavy.csv:1: --intensity-column v: no column of that name; there are x, y, w",
+        ),
+        (
+            "analyze endless.csv --intensity-column w",
+            1,
+            "endless.csv:2: the intensity there is inf; expected a finite number above 0",
+        ),
+        (
+            "analyze below.csv --intensity-column w",
+            1,
+            "below.csv:3: the intensity there is -0.5; expected a finite number above 0",
+        ),
         (
             "analyze ok.csv --stats intensity --intensity-grid 1",
             2,

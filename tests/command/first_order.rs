@@ -90,3 +90,51 @@ fn the_intensity_reaches_the_files() {
     let lambda = values("notched", 100);
     assert!(lambda[99] == 0.0 && lambda[0] > 0.0 && lambda.iter().all(|x| x.is_finite()));
 }
+
+/// Weighted by the inverse of an intensity: from a column, a function and the points themselves.
+#[test]
+fn an_inhomogeneous_process_reaches_the_files() {
+    let scratch = Scratch::new();
+    // Thrice as many on the left; a column that says so, up to a factor.
+    let points: String = (0..120)
+        .map(|k| {
+            let x = f64::from(k * 53 % 120) / 240.0 + if k % 4 == 0 { 0.5 } else { 0.0 };
+            format!("{x},{},{}\n", f64::from(k * 37 % 120) / 120.0, if x < 0.5 { 3 } else { 1 })
+        })
+        .collect();
+    scratch.file("p.csv", &format!("x,y,lambda\n{points}"));
+    let line = "analyze p.csv --columns x,y --window 0,1,0,1 --stats pcf,k-function,spectrum,neighbors --bins 10 --device cpu --out";
+    scratch.ok(&format!("{line} plain"));
+    scratch.ok(&format!("{line} column --intensity-column lambda"));
+    scratch.ok(&format!("{line} formula --inhomogeneous formula:2-signum(x-0.5)"));
+    scratch.ok(&format!("{line} estimate --inhomogeneous estimate --intensity-bandwidth 0.2"));
+    let g = |dir: &str| table(&scratch.path(&format!("{dir}/pcf.csv")))["g"].clone();
+    assert_eq!(g("column"), g("formula"));
+    assert!(g("column") != g("plain") && g("estimate") != g("plain") && g("estimate") != g("column"));
+    let of = |dir: &str| summary(&scratch.path(dir))["inhomogeneous"].clone();
+    assert!(of("plain").is_null());
+    assert_eq!(of("column")["intensity"], "column lambda");
+    assert_eq!((&of("column")["least"], &of("column")["largest"]), (&1.0.into(), &3.0.into()));
+    let left = points.lines().filter(|l| l.ends_with(",3")).count() as f64;
+    let mean = left / 3.0 + 120.0 - left;
+    assert!((of("column")["inverse_mean"].as_f64().unwrap() - mean).abs() < 1e-9);
+    assert_eq!(of("formula")["intensity"], "formula:2-signum(x-0.5)");
+    let estimate = of("estimate");
+    assert_eq!(
+        (&estimate["rule"], &estimate["bandwidth"], &estimate["others"]),
+        (&"given".into(), &0.2.into(), &0.into())
+    );
+    assert!((estimate["inverse_mean"].as_f64().unwrap() - 1.0).abs() < 0.2, "{estimate}");
+    for dir in ["column", "formula", "estimate"] {
+        let said = summary(&scratch.path(dir))["warnings"].to_string();
+        assert!(said.contains("are those of an inhomogeneous process; not neighbors"), "{said}");
+        assert_eq!(said.contains("estimated from the points themselves"), dir == "estimate");
+        for file in ["pcf.svg", "k_function.svg", "spectrum_radial.svg", "spectrum_axes.svg"] {
+            let svg = std::fs::read_to_string(scratch.path(&format!("{dir}/{file}"))).unwrap();
+            assert!(svg.contains(", inhomogeneous"), "{dir}/{file}");
+        }
+        let page = std::fs::read_to_string(scratch.path(&format!("{dir}/report.html"))).unwrap();
+        assert!(page.contains("Points count 1/<i>λ</i> here") && page.contains("Weights 1/<i>λ</i>"));
+    }
+    assert!(!std::fs::read_to_string(scratch.path("plain/pcf.svg")).unwrap().contains("inhomogeneous"));
+}

@@ -14,6 +14,8 @@ fn a_request_is_a_command_line() {
         "--kernel gaussian --bandwidth 0.001 --divisor d --exact-kernel --correction border --envelope 19 x",
         "--normalization intensity --max-frequency 3,4 --ring-directions 6 --sectors 4 --covariance-frequency 3 x",
         "--stats intensity,counts --intensity-bandwidth 0.125 --intensity-grid 64 x",
+        "--inhomogeneous estimate x",
+        "--intensity-column lambda x",
         "--frequencies f.txt --taper sine --tapers 3 --debias none --convention psa --bug-compatible x",
         "--integrand disk --integrand box:x0=0.1 --estimator ratio --shifts 4 --intensity ramp --by warp x",
         "--window-polygon plot.wkt --stats k-function x",

@@ -7,6 +7,7 @@ mod bandwidth;
 mod convention;
 mod cross_correlation;
 mod envelope;
+mod inhomogeneous;
 mod k_function;
 mod neighbors;
 mod pair_correlation;

@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 20] = [
+    const WITHOUT: [Setting; 22] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -213,6 +213,8 @@ mod tests {
         Setting::Shifts,
         Setting::Intensity,
         Setting::By,
+        Setting::IntensityColumn,
+        Setting::Inhomogeneous,
         Setting::IntensityBandwidth,
         Setting::IntensityGrid,
         // The list of files is edited as a whole.

@@ -93,6 +93,8 @@ pub struct TypedColumns<'a> {
     pub realization: Option<&'a str>,
     /// `--weight-column`.
     pub weight: Option<&'a str>,
+    /// `--intensity-column`, in place of weights.
+    pub intensity: Option<&'a str>,
     /// `--class-column`.
     pub class: Option<&'a str>,
     /// `--array`: names of arrays, as a line of CSV.
@@ -110,8 +112,10 @@ pub struct Columns {
     pub coordinates: Vec<Column>,
     /// `--realization-column`: what differs between realizations.
     pub realization: Option<Separator>,
-    /// `--weight-column`: finite numbers.
+    /// `--weight-column` or `--intensity-column`: finite numbers.
     pub weight: Option<Column>,
+    /// Whether those are intensities.
+    pub intensity: bool,
     /// `--class-column`: text, or numbers that serve as text.
     pub class: Option<Column>,
     /// `--array`: the arrays of an archive that hold points; none where the archive decides.
@@ -134,6 +138,8 @@ pub(super) struct Marks {
     pub(super) coordinates: Vec<usize>,
     pub(super) realization: Option<usize>,
     pub(super) weight: Option<usize>,
+    /// Whether weights are intensities.
+    pub(super) intensity: bool,
     pub(super) class: Option<usize>,
 }
 
@@ -191,6 +197,11 @@ impl Columns {
                 return Err(Error::setting(Setting::Columns, text, reason));
             }
         }
+        let intensity = typed.intensity.is_some();
+        if let Some((intensity, _)) = typed.intensity.zip(typed.weight) {
+            return Err(Error::setting(Setting::IntensityColumn, intensity, "cannot be used with `weight_column`"));
+        }
+        let of_weights = of_weights(intensity);
         let realization = match typed.realization {
             Some(BLANK_LINES) => Some(Separator::BlankLines),
             other => parse(Setting::RealizationColumn, other)?.map(Separator::Column),
@@ -204,7 +215,8 @@ impl Columns {
             rows: Rows::Points,
             coordinates,
             realization,
-            weight: parse(Setting::WeightColumn, typed.weight)?,
+            weight: parse(of_weights, typed.intensity.or(typed.weight))?,
+            intensity,
             class: parse(Setting::ClassColumn, typed.class)?,
             arrays,
             many_axes: typed.many_axes,
@@ -262,12 +274,13 @@ impl Columns {
         let marks = Marks {
             coordinates: self.coordinates.iter().map(|c| index(Setting::Columns, c)).collect::<Result<_, _>>()?,
             realization: one(Setting::RealizationColumn, self.realization())?,
-            weight: one(Setting::WeightColumn, self.weight.as_ref())?,
+            weight: one(of_weights(self.intensity), self.weight.as_ref())?,
+            intensity: self.intensity,
             class: one(Setting::ClassColumn, self.class.as_ref())?,
         };
         let mut taken: Vec<(usize, Setting)> = marks.coordinates.iter().map(|&k| (k, Setting::Columns)).collect();
         for (mark, setting) in [
-            (marks.weight, Setting::WeightColumn),
+            (marks.weight, of_weights(self.intensity)),
             (marks.class, Setting::ClassColumn),
             (marks.realization, Setting::RealizationColumn),
         ] {
@@ -283,6 +296,11 @@ impl Columns {
         }
         Ok(marks)
     }
+}
+
+/// The setting that names the column of weights.
+fn of_weights(intensity: bool) -> Setting {
+    if intensity { Setting::IntensityColumn } else { Setting::WeightColumn }
 }
 
 /// What stands for blank lines where a column is expected.
@@ -337,7 +355,7 @@ impl MarkedPoints {
         for (j, row) in rows().enumerate() {
             if let Some(k) = marks.weight {
                 split.weights.push(row[k]);
-                check_weight(row[k]).map_err(|reason| Error::input(split.points.place(j), reason))?;
+                check_weight(row[k], marks.intensity).map_err(|reason| Error::input(split.points.place(j), reason))?;
             }
             if let Some(k) = marks.class {
                 split.labels.push(row[k].to_string());
@@ -380,9 +398,10 @@ impl MarkedPoints {
 }
 
 /// What weights may be.
-pub(super) fn check_weight(weight: f64) -> Result<(), String> {
-    if weight.is_finite() {
-        return Ok(());
+pub(super) fn check_weight(weight: f64, intensity: bool) -> Result<(), String> {
+    match weight.is_finite() {
+        true => Ok(()),
+        false if intensity => Err(format!("the intensity there is {weight}; expected a finite number above 0")),
+        false => Err(format!("weight {weight}; weights must be finite")),
     }
-    Err(format!("weight {weight}; weights must be finite"))
 }

@@ -148,6 +148,10 @@ pub(super) fn glance(a: &Analysis) -> Vec<(String, String)> {
             format!("{} {length}", human(a.domain.closest_packing_distance(a.shape.mean_points))),
         ),
     ];
+    rows.extend(a.inhomogeneity().map(|found| {
+        let of = escape(&found.words());
+        ("Weights 1/<i>λ</i>".into(), format!("<i>λ</i> {of}: {} to {}", human(found.least), human(found.largest)))
+    }));
     // Points before their pairs and frequencies.
     rows.extend(sections().rev().flat_map(|section| section.scalars(a)));
     rows.push(("Coinciding points".into(), a.duplicates.to_string()));

@@ -32,7 +32,7 @@ pub(super) struct Curve {
 }
 
 /// What of a result its curves depend on, besides the points: keys of the summary, and what they are called.
-const COMPARED: [(&str, &str); 14] = [
+const COMPARED: [(&str, &str); 15] = [
     ("/parameters/unit", "length unit"),
     ("/d", "dimension"),
     ("/domain/boundary", "domain"),
@@ -47,6 +47,7 @@ const COMPARED: [(&str, &str); 14] = [
     ("/parameters/tapers", "number of tapers"),
     ("/parameters/debias", "debiasing"),
     ("/parameters/weight_column", "weights"),
+    ("/inhomogeneous/intensity", "intensity"),
 ];
 
 impl Stored {

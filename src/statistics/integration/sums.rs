@@ -135,6 +135,12 @@ impl Group for Integration {
                 ));
             }
         }
+        if subject.request.input.inhomogeneous.is_some() || subject.request.input.intensity_column.is_some() {
+            warnings.push(
+                "integration takes every point once: what makes g and P inhomogeneous has no part in it; expected `intensity` or `weight_column` where points weigh one over their intensity"
+                    .into(),
+            );
+        }
         let uneven = errors.placed.is_some() || subject.request.input.weight_column.is_some();
         for one in &errors.each {
             let z = one.bias.se.map(|se| one.bias.value / se.max(1e-13 * one.integrand.square_integral().sqrt()));

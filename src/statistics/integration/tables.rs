@@ -97,32 +97,33 @@ pub(super) fn attribution(a: &Analysis) -> Option<Table> {
 /// `attribution_lags.csv`: what single points add to the predicted variance, then pairs in each shell of lags, then what that does not resolve.
 pub(super) fn lags(a: &Analysis) -> Option<Table> {
     let found = a.integration()?;
-    let mut rows: Vec<(String, &str, Option<[f64; 2]>, Option<f64>, f64, f64)> = Vec::new();
+    // Both ends of a shell and the mean of a - I^2 there; what it adds, and the sum so far.
+    let mut rows: Vec<(&str, &str, [Option<f64>; 3], [f64; 2])> = Vec::new();
     for one in found.each.iter().filter(|one| !one.lags.is_empty()) {
         let spec = one.integrand.spec();
         let mut sum = one.alone;
-        rows.push((spec.into(), "alone", None, Some(one.v0), one.alone, sum));
+        rows.push((spec, "alone", [None, None, Some(one.v0)], [one.alone, sum]));
         for shell in &one.lags {
             sum += shell.variance;
-            rows.push((spec.into(), "lags", Some([shell.lo, shell.hi]), Some(shell.excess), shell.variance, sum));
+            rows.push((spec, "lags", [shell.lo, shell.hi, shell.excess].map(Some), [shell.variance, sum]));
         }
         let removal = one.removal.map_or(0.0, |r| r.variance);
         let whole = one.spatial.map_or(sum, |spatial| spatial.value);
         let unresolved = whole - one.count_term - removal - sum;
         for (part, variance) in [("unresolved", unresolved), ("count", one.count_term), ("removal", removal)] {
             sum += variance;
-            rows.push((spec.into(), part, None, None, variance, sum));
+            rows.push((spec, part, [None; 3], [variance, sum]));
         }
     }
     (!rows.is_empty()).then(|| {
         Table::new()
-            .text("integrand", rows.iter().map(|r| r.0.clone()))
+            .text("integrand", rows.iter().map(|r| r.0.to_string()))
             .text("part", rows.iter().map(|r| r.1.to_string()))
-            .optional("r_lo", rows.iter().map(|r| r.2.map(|ends| ends[0])))
-            .optional("r_hi", rows.iter().map(|r| r.2.map(|ends| ends[1])))
-            .optional("excess", rows.iter().map(|r| r.3))
-            .floats("variance", rows.iter().map(|r| r.4))
-            .floats("cumulative", rows.iter().map(|r| r.5))
+            .optional("r_lo", rows.iter().map(|r| r.2[0]))
+            .optional("r_hi", rows.iter().map(|r| r.2[1]))
+            .optional("excess", rows.iter().map(|r| r.2[2]))
+            .floats("variance", rows.iter().map(|r| r.3[0]))
+            .floats("cumulative", rows.iter().map(|r| r.3[1]))
     })
 }
 

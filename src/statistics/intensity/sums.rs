@@ -33,7 +33,7 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
     if !ask.wants(Statistic::Intensity) {
         return Ok(());
     }
-    let rule = ask.request.intensity_bandwidth.unwrap_or(IntensityBandwidth::Scott);
+    let rule = ask.request.input.intensity_bandwidth.unwrap_or(IntensityBandwidth::Scott);
     let plan = IntensityPlan::new(ask.domain, ask.request.intensity_grid, rule, ask.shape)?;
     let search = IntensitySearch::new(ask.domain, rule, ask.shape);
     let searched = search.is_some();

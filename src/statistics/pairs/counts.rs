@@ -54,7 +54,7 @@ pub(super) fn settings(ask: &Ask<'_>) -> Result<PairSettings> {
         correction: correction(request, domain),
         cumulative: ask.wants(Statistic::KFunction),
         beyond_half: request.beyond_half || request.conventions().pair_bins(ask.shape.max_points).is_some(),
-        masses: request.input.weight_column.is_some(),
+        masses: request.input.is_weighted(),
     })
 }
 
@@ -205,7 +205,8 @@ impl Group for Pairs {
             warnings
                 .push(format!("no point is far enough from the border for {unseen} of the bins: they are left empty"));
         }
-        if self.plan.masses && (parts.get::<Neighborhood>().is_some() || parts.get::<Lags>().is_some()) {
+        let given = subject.request.input.weight_column.is_some();
+        if given && (parts.get::<Neighborhood>().is_some() || parts.get::<Lags>().is_some()) {
             let warning =
                 "weights of points enter g(r), K and P only: g of the vector and neighbours take every point alike";
             warnings.push(warning.to_string());

@@ -2,8 +2,8 @@
 
 use crate::display::figure::{BLUE, Figure, GREEN, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{
-    Panel, Units, decades, error_note, escape, extent, grow, human, kernel_name, packing_symbol, shortened, size,
-    top_of,
+    Panel, Units, decades, error_note, escape, extent, grow, human, inhomogeneous_caption, kernel_name, packing_symbol,
+    shortened, size_and_weights, top_of,
 };
 use crate::estimate::{Analysis, KFunction, Normalization};
 use crate::plan::{Correction, SmoothingKernel};
@@ -59,11 +59,11 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
         envelope.map_or(String::new(), |e| format!("; grey: global envelope, {} %", human(100.0 * (1.0 - e.alpha))));
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::PCF.title.into(),
+        title: axes::PCF.title_of(analysis),
         subject: analysis.subject.clone(),
         note: format!(
             "{}{normalization} · {}{random}{bandwidth}{}{below}",
-            size(analysis),
+            size_and_weights(analysis),
             error_note(pcf.errors, "Poisson counts"),
             cut(pcf.g.iter().copied(), top)
         ),
@@ -110,7 +110,7 @@ pub(super) fn pcf_caption(a: &Analysis, _: &str) -> Option<String> {
          distance <i>r</i> ± half a bin, over the number expected of independent points, with <i>v</i> the \
          measure of the shell and |<i>D</i>| that of the domain; 1 means no correlation.{kernel}"
     );
-    Some(caption + &envelope::caption(a, &["g", "g_kernel"]))
+    Some(caption + &inhomogeneous_caption(a) + &envelope::caption(a, &["g", "g_kernel"]))
 }
 
 /// g within two classes and between them, with the band of the last, and g = 1.
@@ -138,11 +138,11 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::PCF_CROSS.title.into(),
+        title: axes::PCF_CROSS.title_of(analysis),
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
-            size(analysis),
+            size_and_weights(analysis),
             error_note(between.errors, "Poisson counts"),
             cut([&cross.a.g, &cross.b.g, &between.g].into_iter().flatten().copied(), top)
         ),
@@ -207,9 +207,9 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
     let symbol = format!("{d}{}", sub(which));
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::K_FUNCTION.title.into(),
+        title: axes::K_FUNCTION.title_of(analysis),
         subject: analysis.subject.clone(),
-        note: format!("{} · {}", size(analysis), error_note(k.errors, "Poisson counts")),
+        note: format!("{} · {}", size_and_weights(analysis), error_note(k.errors, "Poisson counts")),
         x_label: axes::K_FUNCTION.x_label(&units),
         y_label: axes::K_FUNCTION.y_label(&units),
         x: 0.0..intervals.last()?.2,
@@ -232,7 +232,8 @@ pub(super) fn k_caption(a: &Analysis, _: &str) -> Option<String> {
         "<i>L</i>(<i>r</i>) − <i>r</i> with <i>L</i> = {root}: <i>λK</i>(<i>r</i>) is the mean number of further points \
          within <i>r</i> of a point. For independent points <i>K</i> is the {ball} of radius <i>r</i>, and \
          <i>L</i> = <i>r</i>; above 0 points have more neighbours than that, below fewer. Values at different <i>r</i> \
-         share their pairs: they are correlated.{}",
+         share their pairs: they are correlated.{}{}",
+        inhomogeneous_caption(a),
         envelope::caption(a, &["k", "l_minus_r"])
     ))
 }
@@ -267,9 +268,9 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::K_FUNCTION_CROSS.title.into(),
+        title: axes::K_FUNCTION_CROSS.title_of(analysis),
         subject: analysis.subject.clone(),
-        note: format!("{} · {}", size(analysis), error_note(between.errors, "Poisson counts")),
+        note: format!("{} · {}", size_and_weights(analysis), error_note(between.errors, "Poisson counts")),
         x_label: axes::K_FUNCTION_CROSS.x_label(&units),
         y_label: axes::K_FUNCTION_CROSS.y_label(&units),
         x: 0.0..intervals.last()?.2,

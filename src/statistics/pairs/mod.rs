@@ -122,7 +122,8 @@ impl Room for Here {
             let pairs: u64 = g.count.iter().sum();
             let range = format!("[{}, {})", human(g.r_lo[0]), human(g.r_hi[g.r_hi.len() - 1]));
             let (bins, pairs) = (plural(g.g.len() as u64, "bin"), plural(pairs, "ordered pair"));
-            lines.push(format!("g(r): {bins} over {range}{}, {pairs}", in_units(a)));
+            let which = if a.inhomogeneity().is_some() { ", inhomogeneous" } else { "" };
+            lines.push(format!("g(r){which}: {bins} over {range}{}, {pairs}", in_units(a)));
         }
         if let Some(cross) = a.cross() {
             let pairs: u64 = cross.between.count.iter().sum();
@@ -136,10 +137,13 @@ impl Room for Here {
             lines.push(format!("L of {a} and {b}: {} at r = {}, r if they are independent", human(l), human(r)));
         }
         if let Some(k) = a.k_function()
-            && let (Some(&r), Some(&neighbors)) = (k.r.last(), k.neighbors.last())
+            && let (Some(&r), Some(&neighbors), Some(&above)) = (k.r.last(), k.neighbors.last(), k.l_minus_r.last())
         {
             let (neighbors, r, unit) = (human(neighbors), human(r), in_units(a));
-            lines.push(format!("K(r): {neighbors} further points within {r}{unit} of a point, on average"));
+            lines.push(match a.inhomogeneity() {
+                None => format!("K(r): {neighbors} further points within {r}{unit} of a point, on average"),
+                Some(_) => format!("K(r), inhomogeneous: L - r = {} at r = {r}{unit}", human(above)),
+            });
         }
         lines
     }

@@ -1,7 +1,10 @@
 //! Curves of P: over rings, along axes, by direction; and their captions.
 
 use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, Stroke, VERMILION, band_runs, runs};
-use crate::display::{FrequencyUnit, Panel, Units, about_one, defined_anisotropy, error_note, human, size, top_of};
+use crate::display::{
+    FrequencyUnit, Panel, Units, about_one, defined_anisotropy, error_note, human, inhomogeneous_caption,
+    size_and_weights, top_of,
+};
 use crate::estimate::{Analysis, AxisMode, Band, SectorPower};
 use crate::statistics::axes;
 use crate::statistics::layers::{closed_form, cut, half_turn};
@@ -32,11 +35,11 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
     layers.extend(mean_frequency(analysis, x.end));
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::RADIAL.title.into(),
+        title: axes::RADIAL.title_of(analysis),
         subject: analysis.subject.clone(),
         note: format!(
             "{} · {}{}",
-            size(analysis),
+            size_and_weights(analysis),
             error_note(radial.errors, "exponential ordinates"),
             cut(rings.iter().map(|r| r.p), samples.range.end)
         ),
@@ -65,14 +68,16 @@ pub(super) fn radial_caption(a: &Analysis, _: &str) -> Option<String> {
     Some(format!(
         "{DEFINITION}, averaged over {rings}; 1 is the level of independent points. The wider band holds the \
          expectation with probability 95 %: by the chi-squared law of exponential ordinates, or from 30 realizations and \
-         100 ordinates on by the standard error across realizations."
+         100 ordinates on by the standard error across realizations.{}",
+        inhomogeneous_caption(a)
     ))
 }
 
 /// Of a list there is no picture.
 pub(super) fn words(a: &Analysis) -> Option<String> {
     let listed = a.listed_power()?.p.len();
-    Some(format!("{DEFINITION} at {listed} listed wave vectors: see spectrum_list.csv."))
+    let weights = inhomogeneous_caption(a);
+    Some(format!("{DEFINITION} at {listed} listed wave vectors: see spectrum_list.csv.{weights}"))
 }
 
 /// Anisotropy against nu, with the level of an isotropic spectrum and the scatter expected around it. In one dimension a
@@ -100,7 +105,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
         },
     ];
     layers.extend(mean_frequency(analysis, x.end));
-    let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size(analysis));
+    let mut note = format!("{} · grey band: ±1 s.d. of an isotropic spectrum, from theory", size_and_weights(analysis));
     if defined.is_empty() {
         note.push_str(" · undefined in every ring: no spread, or single modes");
     } else if outside > 0 {
@@ -108,7 +113,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
     }
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::ANISOTROPY.title.into(),
+        title: axes::ANISOTROPY.title_of(analysis),
         subject: analysis.subject.clone(),
         note,
         x_label: axes::ANISOTROPY.x_label(&units),
@@ -160,9 +165,9 @@ pub(super) fn along_axes(analysis: &Analysis) -> Option<Figure> {
     let bands = if banded { "bands: 95 % of each mode" } else { "single modes; their 95 % bands are in the file" };
     let units = Units::of(analysis).escaped();
     (end > 0.0).then(|| Figure {
-        title: axes::AXES.title.into(),
+        title: axes::AXES.title_of(analysis),
         subject: analysis.subject.clone(),
-        note: format!("{} · {bands}{}", size(analysis), cut(modes.iter().map(|m| m.p), top)),
+        note: format!("{} · {bands}{}", size_and_weights(analysis), cut(modes.iter().map(|m| m.p), top)),
         x_label: axes::AXES.x_label(&units),
         y_label: axes::AXES.y_label(&units),
         x: 0.0..end,
@@ -214,9 +219,14 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
-        title: axes::ANGULAR.title.into(),
+        title: axes::ANGULAR.title_of(analysis),
         subject: analysis.subject.clone(),
-        note: format!("{} · {} sectors of {} degrees", size(analysis), sectors.len(), 180.0 / sectors.len() as f64),
+        note: format!(
+            "{} · {} sectors of {} degrees",
+            size_and_weights(analysis),
+            sectors.len(),
+            180.0 / sectors.len() as f64
+        ),
         x_label: axes::ANGULAR.x_label(&units),
         y_label: axes::ANGULAR.y_label(&units),
         x: 0.0..180.0,

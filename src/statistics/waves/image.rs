@@ -1,7 +1,7 @@
 //! `spectrum.png`: P on the frequency grid in colours, DC at the centre, the y axis up.
 
 use super::figures::DEFINITION;
-use crate::display::{DC, ToneMap, escape, human, middle, paper, peak, sequential};
+use crate::display::{DC, ToneMap, escape, human, inhomogeneous_caption, middle, paper, peak, sequential};
 use crate::estimate::Analysis;
 use crate::statistics::{Bar, Image};
 
@@ -134,9 +134,9 @@ pub(super) fn grey(analysis: &Analysis) -> Option<Image> {
 }
 
 /// What the picture shows.
-pub(super) fn caption(_: &Analysis, seen: &str) -> Option<String> {
+pub(super) fn caption(a: &Analysis, seen: &str) -> Option<String> {
     let (seen, tones) = (escape(seen), escape(&tone_text()));
-    Some(format!("{DEFINITION} on the frequency grid: {seen}. Tone map: {tones}."))
+    Some(format!("{DEFINITION} on the frequency grid: {seen}. Tone map: {tones}.{}", inhomogeneous_caption(a)))
 }
 
 #[cfg(test)]

@@ -131,7 +131,7 @@ impl Group for Waves {
             let radial = RadialSpectrum::new(plan, sums, &spectrum);
             if !plan.conventions.foreign {
                 // Lag counts take every point alike.
-                let vector = found.vector().filter(|_| request.input.weight_column.is_none());
+                let vector = found.vector().filter(|_| !request.input.is_weighted());
                 let details = SpectrumDetails::new(plan, sums, &spectrum, &radial, found.pair_correlation(), vector);
                 found.findings.insert(details);
             }

@@ -209,7 +209,7 @@ impl Parser<'_> {
         if let Some(column) = layout.marks.weight {
             let field = unquoted(&content[self.fields[column].clone()]);
             let Some(weight) = value(field) else { return self.fail(line, self.not_a_number(field, column)) };
-            if let Err(reason) = check_weight(weight) {
+            if let Err(reason) = check_weight(weight, layout.marks.intensity) {
                 return self.fail(line, reason);
             }
             self.weights.push(weight);

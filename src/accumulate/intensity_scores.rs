@@ -2,27 +2,21 @@
 
 use rayon::prelude::*;
 
-use crate::accumulate::{IntensityScores, RealizationScores};
+use super::{IntensityScores, RealizationScores};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{IntensitySearch, KernelMass, axis_kernel};
+use crate::plan::{IntensitySearch, KernelMass, kernel_sum};
 use crate::points::Ensemble;
-use crate::pool::Pool;
 
 /// Of every realization.
-pub(super) fn scores(
-    pool: &Pool,
-    search: &IntensitySearch,
-    ensemble: &Ensemble,
-    control: &Control,
-) -> Result<IntensityScores> {
+pub(crate) fn scores(search: &IntensitySearch, ensemble: &Ensemble, control: &Control) -> Result<IntensityScores> {
     let part = 1.0 / ensemble.realizations() as f64;
     let of = |k: usize| {
         let one = realization(search, ensemble, k, control)?;
         control.advance(part);
         Ok(one)
     };
-    let realizations = pool.install(|| (0..ensemble.realizations()).map(of).collect::<Result<Vec<_>>>())?;
+    let realizations = (0..ensemble.realizations()).map(of).collect::<Result<Vec<_>>>()?;
     Ok(IntensityScores { bandwidths: search.bandwidths.len(), realizations })
 }
 
@@ -33,24 +27,19 @@ fn realization(
     control: &Control,
 ) -> Result<RealizationScores> {
     let domain = &search.domain;
-    let (dim, n, unit) = (domain.dim(), ensemble.points_in(k), domain.length_unit() / 2f64.powi(64));
-    let axes: Vec<Vec<f64>> =
-        ensemble.lengths(k).iter().map(|axis| axis.iter().map(|&x| x as f64 * unit).collect()).collect();
+    let (n, axes) = (ensemble.points_in(k), ensemble.offsets_from_corner(k));
     let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
     for (a, axis) in axes.iter().enumerate() {
         let off = |x: &f64| x - 0.5 * domain.sides()[a];
         sums[a] = axis.iter().map(off).sum();
         squares[a] = axis.iter().map(|x| off(x).powi(2)).sum();
     }
-    let side = |a: usize| domain.is_torus().then(|| domain.sides()[a]);
     // Evenly spread over their order.
     let looked_at = n.min(search.points);
     let log = |which: usize, bandwidth: f64, mass: &KernelMass<'_>| {
         let i = which * n / looked_at.max(1);
-        let kernel =
-            |j: usize| -> f64 { (0..dim).map(|a| axis_kernel(axes[a][i] - axes[a][j], bandwidth, side(a))).product() };
         let place: Vec<f64> = axes.iter().map(|axis| axis[i]).collect();
-        let others: f64 = (0..n).filter(|&j| j != i).map(kernel).sum();
+        let others = kernel_sum(domain, bandwidth, &place, &axes, Some(i));
         // A lone point far from all others is as unlikely as f64 can say.
         (others / mass.at(&place)).max(f64::MIN_POSITIVE).ln()
     };
