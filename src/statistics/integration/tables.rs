@@ -94,11 +94,13 @@ pub(super) fn attribution(a: &Analysis) -> Option<Table> {
     )
 }
 
+/// An integrand and a part; both ends of a shell and the mean of a - I^2 there; what it adds, and the sum so far.
+type LagRow<'a> = (&'a str, &'a str, [Option<f64>; 3], [f64; 2]);
+
 /// `attribution_lags.csv`: what single points add to the predicted variance, then pairs in each shell of lags, then what that does not resolve.
 pub(super) fn lags(a: &Analysis) -> Option<Table> {
     let found = a.integration()?;
-    // Both ends of a shell and the mean of a - I^2 there; what it adds, and the sum so far.
-    let mut rows: Vec<(&str, &str, [Option<f64>; 3], [f64; 2])> = Vec::new();
+    let mut rows: Vec<LagRow<'_>> = Vec::new();
     for one in found.each.iter().filter(|one| !one.lags.is_empty()) {
         let spec = one.integrand.spec();
         let mut sum = one.alone;
