@@ -123,6 +123,10 @@ settings! {
     Estimator = "estimator",
     /// Shifts of each realization.
     Shifts = "shifts",
+    /// How the spatial form is summed.
+    Spatial = "spatial",
+    /// Frequencies that are named.
+    Top = "top",
     /// The density that points are placed by.
     Intensity = "intensity",
     /// How points are placed by it.

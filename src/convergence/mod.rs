@@ -289,7 +289,8 @@ fn samplers(specs: &[String], numbers: &Prefixes, request: &Request, warnings: &
         if !others.is_empty() {
             warnings.push(format!("{spec}: n = {}, the nearest that it can make", others.join(", ")));
         }
-        if sizes.len() < 2 {
+        // One number of points is no slope, but samplers can be ranked at it.
+        if sizes.len() < 2 && numbers.numbers().len() > 1 {
             let words: Vec<String> = sizes.iter().map(u64::to_string).collect();
             return Err(too_few(&words.join(",")));
         }
@@ -449,10 +450,11 @@ impl Convergence {
             "var_observed",
             "n_random",
         ];
+        let slopes = report::some_columns("slopes of ln V on ln n, 95 % intervals", &slopes, &tables::slopes(self));
         let largest = "at the largest n, from the least variance, with the random points that would do as well";
         [
             report::some_columns("variance", &variances, &tables::variances(self)),
-            report::some_columns("slopes of ln V on ln n, 95 % intervals", &slopes, &tables::slopes(self)),
+            if self.has_slopes() { slopes } else { String::new() },
             report::some_columns(largest, &ranks, &tables::ranks(self)),
         ]
         .join("\n")
@@ -465,10 +467,17 @@ impl Convergence {
     pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
         report::write_files(dir, force, command, &self.warnings, self.summary(), |files| {
             files.add("convergence.csv", |file| file.write_all(&tables::variances(self).csv()?));
-            files.add("slopes.csv", |file| file.write_all(&tables::slopes(self).csv()?));
             files.add("ranks.csv", |file| file.write_all(&tables::ranks(self).csv()?));
-            files.add("convergence.svg", |file| file.write_all(figure::svg(self).as_bytes()));
+            if self.has_slopes() {
+                files.add("slopes.csv", |file| file.write_all(&tables::slopes(self).csv()?));
+                files.add("convergence.svg", |file| file.write_all(figure::svg(self).as_bytes()));
+            }
         })
+    }
+
+    /// Whether there is more than one number of points.
+    fn has_slopes(&self) -> bool {
+        self.curves.iter().any(|curve| curve.points.len() > 1)
     }
 
     /// What it holds of convergence.

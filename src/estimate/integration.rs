@@ -25,6 +25,8 @@ pub struct IntegrationErrors {
     pub estimator: Estimator,
     /// How pairs were summed.
     pub pairs: PairSum,
+    /// How many of the frequencies that add most are to be named.
+    pub top: Option<u32>,
     /// Largest frequencies of the grid, and along an axis alone.
     pub max_frequency: Vec<u32>,
     /// The latter.
@@ -173,7 +175,7 @@ pub struct ModeShare {
     pub variance: f64,
 }
 
-/// Modes that are kept by name.
+/// Modes that are kept by name where nothing is said.
 const TOP: usize = 100;
 
 /// A tail that is no more than rounding.
@@ -235,6 +237,7 @@ impl IntegrationErrors {
             each: (0..plan.integrands.len()).map(|i| one(&totals, i)).collect::<Option<Vec<_>>>()?,
             estimator: plan.estimator,
             pairs: plan.pairs,
+            top: plan.top,
             max_frequency: plan.max_frequency().to_vec(),
             axis_frequency: plan.axis_frequency(),
             low_frequency: plan.low.max_frequency()[0],
@@ -479,11 +482,12 @@ fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, variance: f6
         let first = m.iter().find(|m| **m != 0).is_some_and(|m| *m > 0);
         let both = if twice { 2.0 } else { 1.0 };
         let (coefficient, variance) = (both * coefficient, both * variance);
-        let among = modes.len() < TOP || modes.last().is_some_and(|last| last.variance < variance);
+        let top = totals.plan.top.map_or(TOP, |top| top as usize);
+        let among = modes.len() < top || modes.last().is_some_and(|last| last.variance < variance);
         if first && among {
             let at = modes.partition_point(|other| other.variance >= variance);
             modes.insert(at, ModeShare { m, coefficient, p: q / totals.norm, variance });
-            modes.truncate(TOP);
+            modes.truncate(top);
         }
     };
     if let Some(grid) = totals.plan.grid.waves.grid() {

@@ -7,7 +7,9 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 use super::importance::density;
-use super::{Accuracy, Batch, EnsembleShape, MAX_FREQUENCY, Removal, WaveGrid, WavePlan};
+use super::{
+    Accuracy, Batch, Correction, EnsembleShape, MAX_FREQUENCY, PairPlan, RadialBins, Removal, WaveGrid, WavePlan,
+};
 use crate::error::{Error, Result};
 use crate::integrand::Integrand;
 use crate::memory::Memory;
@@ -62,15 +64,39 @@ pub enum PairSum {
     Exact,
     /// Pairs are shared among the 2^d nodes around their lag, so many nodes per side.
     Deposit(usize),
+    /// Pairs are counted by distance up to half a side, so many bins, and a is averaged over directions: right where points or f are isotropic.
+    Radial(usize),
     /// Not at all: too many pairs.
     None,
 }
+
+/// How it is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Spatial {
+    /// Every pair at its own lag.
+    Pairs,
+    /// Pairs deposited on a grid of lags.
+    Deposit,
+    /// Pairs counted by distance: g(r) up to half a side, the others by their number.
+    Radial,
+    /// Not at all.
+    None,
+}
+
+named!(Spatial: Pairs = "pairs", Deposit = "deposit", Radial = "radial", None = "none");
 
 /// Values of a that are computed one by one, at most: some seconds.
 const EXACT_BUDGET: f64 = 5e8;
 
 /// Pairs that are deposited, at most: minutes.
 const DEPOSIT_BUDGET: f64 = 1e12;
+
+/// Pairs that are counted by distance, at most: the better part of an hour.
+const RADIAL_BUDGET: f64 = 1e13;
+
+/// Bins of distances up to half a side, by dimension: what they add in noise falls with n, on a line slowest.
+const DISTANCES: [usize; 3] = [1 << 14, 1024, 1024];
 
 /// Everything decided about integration errors before any point is looked at.
 #[derive(Debug, Clone)]
@@ -97,6 +123,10 @@ pub struct IntegrationPlan {
     pub shifts: Arc<Vec<f64>>,
     /// How pairs are summed.
     pub pairs: PairSum,
+    /// How they are counted by distance, where they are.
+    pub distances: Option<PairPlan>,
+    /// Frequencies that are named, of those that add most, if it is said how many.
+    pub top: Option<u32>,
     /// Number and size of realizations.
     pub shape: EnsembleShape,
     /// Realizations worked on at a time.
@@ -114,7 +144,8 @@ pub(crate) struct IntegrandTable {
     pub(crate) axes: Vec<Vec<f64>>,
     /// `f_m` of the low frequencies, as stored.
     pub(crate) low: Vec<Complex<f64>>,
-    /// `a - I^2` at the nodes of lags, extrapolated from two spacings, of mean 0; empty where pairs are not summed.
+    /// `a - I^2` at the nodes of lags, extrapolated from two spacings, of mean 0; its means over
+    /// distances and over those beyond half a side, where pairs are counted by distance; empty where pairs are not summed.
     pub(crate) nodes: Vec<f64>,
 }
 
@@ -127,6 +158,10 @@ pub struct IntegrationSettings<'a> {
     pub estimator: Option<Estimator>,
     /// Number of shifts.
     pub shifts: u32,
+    /// How the spatial form is summed, if it is said.
+    pub spatial: Option<Spatial>,
+    /// Frequencies that are named, of those that add most, if it is said how many.
+    pub top: Option<u32>,
     /// The specification of the density that points are placed by.
     pub intensity: Option<&'a str>,
     /// How they are.
@@ -198,14 +233,28 @@ impl IntegrationPlan {
         let axes = (0..if dim == 1 { 0 } else { dim }).map(axis).collect::<Result<Vec<_>>>()?;
         let low = WaveGrid::new(&vec![settings.low_frequency.unwrap_or([64, 8, 2][dim - 1]); dim])?;
         let pairs_in_all = shape.realizations as f64 * shape.mean_points.powi(2) / 2.0;
-        let pairs = match pairs_in_all {
-            // a of a difference is not known well enough.
-            _ if matches!(importance, Some(Importance::Removal(_))) && estimator == Estimator::CountRatio => {
-                PairSum::None
+        // a of a difference is not known well enough.
+        let unknown = matches!(importance, Some(Importance::Removal(_))) && estimator == Estimator::CountRatio;
+        // Distances in a box of unequal sides are not those in which a is averaged; weights have their own sums of pairs.
+        let is_round = domain.is_cubic() && !weighted;
+        let pairs = match settings.spatial {
+            _ if unknown => PairSum::None,
+            Some(Spatial::Pairs) => PairSum::Exact,
+            Some(Spatial::Deposit) => PairSum::Deposit(nodes_per_side(dim)),
+            Some(Spatial::Radial) if !is_round => {
+                let reason = "is for a box of equal sides and points without weights; expected pairs, deposit or none";
+                return Err(Error::setting(Setting::Spatial, Spatial::Radial, reason));
             }
-            pairs if pairs * integrands.len() as f64 <= EXACT_BUDGET => PairSum::Exact,
-            pairs if pairs <= DEPOSIT_BUDGET => PairSum::Deposit(nodes_per_side(dim)),
-            _ => PairSum::None,
+            Some(Spatial::Radial) => PairSum::Radial(DISTANCES[dim - 1]),
+            Some(Spatial::None) => PairSum::None,
+            None if pairs_in_all * integrands.len() as f64 <= EXACT_BUDGET => PairSum::Exact,
+            None if pairs_in_all <= DEPOSIT_BUDGET => PairSum::Deposit(nodes_per_side(dim)),
+            None if pairs_in_all <= RADIAL_BUDGET && is_round => PairSum::Radial(DISTANCES[dim - 1]),
+            None => PairSum::None,
+        };
+        let distances = match pairs {
+            PairSum::Radial(bins) => Some(distances(dim, bins, shape)?),
+            _ => None,
         };
         let shifts = lattice(settings.shifts, dim)?;
         let tables = averaged.par_iter().map(|i| IntegrandTable::new(i, &grid, &axes, &low, pairs)).collect::<Vec<_>>();
@@ -222,6 +271,8 @@ impl IntegrationPlan {
             low,
             shifts: Arc::new(shifts),
             pairs,
+            distances,
+            top: settings.top,
             shape,
             batch,
             tables: tables.into(),
@@ -237,7 +288,7 @@ impl IntegrationPlan {
 
     /// Nodes of lags per side that pairs are deposited on, be it only to say at which lags variance comes from; `None` where there are no pairs.
     pub fn lag_nodes(&self) -> Option<usize> {
-        (self.pairs != PairSum::None).then(|| nodes_per_side(self.domain.dim()))
+        matches!(self.pairs, PairSum::Exact | PairSum::Deposit(_)).then(|| nodes_per_side(self.domain.dim()))
     }
 
     /// The removal, if points are kept at random.
@@ -265,6 +316,7 @@ impl IntegrationPlan {
         let pairs = match self.pairs {
             PairSum::Exact => 1e-8 * many,
             PairSum::Deposit(_) => 3e-9,
+            PairSum::Radial(_) => 5e-10,
             PairSum::None => 0.0,
         };
         let shifts = self.shifts.len() as f64 / self.domain.dim() as f64;
@@ -334,7 +386,7 @@ impl PartialEq for IntegrationPlan {
         };
         specs(self) == specs(other)
             && importance(self) == importance(other)
-            && self.weighted == other.weighted
+            && (self.weighted, self.top) == (other.weighted, other.top)
             && (&self.domain, self.estimator, &self.grid, &self.axes, self.low, self.pairs, self.shape, self.batch)
                 == (
                     &other.domain,
@@ -389,8 +441,9 @@ impl IntegrandTable {
         };
         let low_modes = (0..low.half_len()).map(|index| integrand.coefficient(&low.mode(index)[..dim])).collect();
         let nodes = match pairs {
+            PairSum::Exact | PairSum::Deposit(_) => nodes(integrand, nodes_per_side(dim)),
+            PairSum::Radial(bins) => shells(integrand, bins),
             PairSum::None => Vec::new(),
-            _ => nodes(integrand, nodes_per_side(dim)),
         };
         Self { grid: squares, axes: axes.iter().enumerate().map(on_axis).collect(), low: low_modes, nodes }
     }
@@ -434,6 +487,56 @@ fn nodes(integrand: &Integrand, cells: usize) -> Vec<f64> {
     nodes
 }
 
+/// Counts of pairs by distance up to half a side of the unit torus.
+fn distances(dim: usize, bins: usize, shape: EnsembleShape) -> Result<PairPlan> {
+    PairPlan::new(&Domain::torus(&vec![1.0; dim])?, RadialBins::linear(0.5, bins)?, Correction::None, shape)
+}
+
+/// Means of `a - I^2` over shells of lags, then over all lags beyond half a side: those follow, since its integral is 0.
+fn shells(integrand: &Integrand, bins: usize) -> Vec<f64> {
+    let dim = integrand.dim();
+    let width = 0.5 / bins as f64;
+    let square = integrand.integral() * integrand.integral();
+    // Three places in r by Gauss, as many directions as a bends in.
+    const PLACES: [(f64, f64); 3] =
+        [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+    let directions: Vec<[f64; 3]> = match dim {
+        1 => vec![[1.0, 0.0, 0.0]],
+        2 => (0..128)
+            .map(|k| (std::f64::consts::PI * (k as f64 + 0.5) / 128.0).sin_cos())
+            .map(|(y, x)| [x, y, 0.0])
+            .collect(),
+        // a is even: half of the sphere, equal areas, by the golden angle.
+        _ => (0..512)
+            .map(|k| {
+                let z = (k as f64 + 0.5) / 512.0;
+                let (sin, cos) = (std::f64::consts::PI * (3.0 - 5f64.sqrt()) * k as f64).sin_cos();
+                let rho = (1.0 - z * z).sqrt();
+                [rho * cos, rho * sin, z]
+            })
+            .collect(),
+    };
+    let shell = |bin: usize| {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        let (mut lags, mut values) = (vec![[0.0; 3]; directions.len()], vec![0.0; directions.len()]);
+        for (place, weight) in PLACES {
+            let r = (bin as f64 + place) * width;
+            lags.iter_mut().zip(&directions).for_each(|(lag, way)| *lag = way.map(|w| w * r));
+            integrand.autocorrelations(&lags, &mut values);
+            let weight = weight * r.powi(dim as i32 - 1);
+            sum += weight * values.iter().map(|a| a - square).sum::<f64>() / values.len() as f64;
+            weights += weight;
+        }
+        sum / weights
+    };
+    let mut means: Vec<f64> = (0..bins).into_par_iter().map(shell).collect();
+    let measure = |k: usize| crate::ball::unit_ball(dim) * (k as f64 * width).powi(dim as i32);
+    let inside: f64 = means.iter().enumerate().map(|(k, b)| b * (measure(k + 1) - measure(k))).sum();
+    let outside = 1.0 - measure(bins);
+    means.push(if outside > 1e-12 { -inside / outside } else { 0.0 });
+    means
+}
+
 impl fmt::Display for IntegrationPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let many = self.integrands.len();
@@ -455,7 +558,13 @@ impl fmt::Display for IntegrationPlan {
         match self.pairs {
             PairSum::Exact => writeln!(f, "  spatial: every pair"),
             PairSum::Deposit(cells) => writeln!(f, "  spatial: pairs deposited on {cells} lags per side, extrapolated"),
-            PairSum::None => writeln!(f, "  skipped: the spatial form, more than {DEPOSIT_BUDGET:.0e} pairs"),
+            PairSum::Radial(bins) => {
+                writeln!(
+                    f,
+                    "  spatial: pairs counted by distance to half a side, {bins} bins; a is averaged over directions"
+                )
+            }
+            PairSum::None => writeln!(f, "  skipped: the spatial form"),
         }?;
         let shifts = self.shifts.len() / self.domain.dim();
         writeln!(f, "  observed: as is, and at {shifts} shifts of a lattice per realization")

@@ -45,7 +45,7 @@ pub(crate) use covariance_plan::covariance_values;
 pub use discrepancy_plan::DiscrepancyPlan;
 pub use importance::Removal;
 pub(crate) use integration_plan::IntegrandTable;
-pub use integration_plan::{By, Estimator, Importance, IntegrationPlan, IntegrationSettings, PairSum};
+pub use integration_plan::{By, Estimator, Importance, IntegrationPlan, IntegrationSettings, PairSum, Spatial};
 pub use intensity_plan::{IntensityBandwidth, IntensityPlan, IntensitySearch};
 pub(crate) use intensity_plan::{KernelMass, kernel_sum, scott};
 use kernel_plan::longest_distance;

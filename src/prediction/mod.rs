@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::error::{Error, Result, number};
 use crate::estimate::Prediction;
 use crate::memory::Memory;
-use crate::plan::{Accuracy, EnsembleShape, Estimator, IntegrationPlan, IntegrationSettings, WaveGrid};
+use crate::plan::{Accuracy, EnsembleShape, Estimator, IntegrationPlan, IntegrationSettings, Spatial, WaveGrid};
 use crate::points::Domain;
 use crate::report;
 use crate::request::Request;
@@ -104,6 +104,8 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
         integrands: &request.integrand,
         estimator: Some(estimator),
         shifts: 1,
+        spatial: Some(Spatial::None),
+        top: None,
         intensity: request.intensity.as_deref(),
         by: request.by,
         weighted: false,

@@ -16,7 +16,7 @@ use crate::memory::Memory;
 use crate::named::named;
 use crate::plan::{
     Accuracy, Bandwidth, BinScale, By, Convention, Conventions, Correction, Debias, Divisor, Estimator,
-    IntensityBandwidth, LagReach, SmoothingKernel, Taper,
+    IntensityBandwidth, LagReach, SmoothingKernel, Spatial, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -365,6 +365,19 @@ pub struct Request {
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", allow_negative_numbers = true))]
     pub shifts: Option<u32>,
 
+    /// pairs, deposit, radial or none
+    ///
+    /// How the predicted variance is summed in space: over every pair, over pairs deposited on a grid of lags, over g(r) up to half a side
+    /// (for isotropic points or integrands), or not at all.
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
+    pub spatial: Option<Spatial>,
+
+    /// Names the frequencies that add most to the variance
+    ///
+    /// Names the T frequencies that add most to the variance of each integral; without it a table has 100.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", allow_negative_numbers = true))]
+    pub top: Option<u32>,
+
     /// Importance sampling: points as dense as this
     ///
     /// Importance sampling: points as dense as NAME or NAME:key=value,... (an integrand), placed so by --by; without it the points at hand are
@@ -494,6 +507,8 @@ impl Default for Request {
             integrand: Vec::new(),
             estimator: None,
             shifts: None,
+            spatial: None,
+            top: None,
             intensity: None,
             by: None,
             intensity_grid: None,

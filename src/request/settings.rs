@@ -116,7 +116,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 60] = [
+pub static SETTINGS: [Row; 62] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -188,6 +188,9 @@ pub static SETTINGS: [Row; 60] = [
     row!(Estimator, "--estimator", estimator, Integration, needs: Some(Setting::Integrand),
         otherwise: "mean for equal n, else lambda"),
     row!(Shifts, "--shifts", shifts, Integration, needs: Some(Setting::Integrand), default: Some("16")),
+    row!(Spatial, "--spatial", spatial, Integration, needs: Some(Setting::Integrand),
+        otherwise: "by the number of pairs"),
+    row!(Top, "--top", top, Integration, needs: Some(Setting::Integrand), otherwise: "100, in the table alone"),
     row!(Intensity, "--intensity", intensity, Integration, needs: Some(Setting::Integrand), otherwise: "uniform"),
     row!(By, "--by", by, Integration, needs: Some(Setting::Intensity)),
     row!(IntensityGrid, "--intensity-grid", intensity_grid, Statistics, statistics: &[Intensity],

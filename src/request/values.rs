@@ -12,7 +12,7 @@ use crate::estimate::Normalization;
 use crate::memory::Memory;
 use crate::plan::{
     Accuracy, Bandwidth, BinScale, By, Convention, Correction, Debias, Divisor, Estimator, IntensityBandwidth,
-    LagReach, SmoothingKernel, Taper,
+    LagReach, SmoothingKernel, Spatial, Taper,
 };
 use crate::points::read::RawLayout;
 use crate::points::{Boundary, UnitName};
@@ -115,6 +115,7 @@ chosen!(
     Estimator,
     Normalization,
     SmoothingKernel,
+    Spatial,
     Statistic,
     Taper
 );

@@ -30,6 +30,8 @@ fn plan(ensemble: &Ensemble, asked: &Asked<'_>) -> IntegrationPlan {
         integrands: &specs,
         estimator: asked.estimator,
         shifts: 8,
+        spatial: None,
+        top: None,
         intensity: asked.intensity,
         by: asked.by,
         weighted: asked.weighted,

@@ -22,6 +22,8 @@ fn plan(ensemble: &Ensemble, integrands: &[&str], accuracy: Accuracy, f: Option<
         integrands: &specs,
         estimator: None,
         shifts: 8,
+        spatial: None,
+        top: None,
         intensity: None,
         by: None,
         weighted: false,
@@ -151,6 +153,47 @@ fn deposited_pairs_come_to_the_exact_sum() {
                 assert!((a / b - 1.0).abs() < tolerance, "{name} {dim}D {integrand:?}: {b} deposited, {a}");
             }
         }
+    }
+}
+
+/// g(r) up to half a side and the rest by its number: exact where f is isotropic, and in 1D; for random points whatever f is, within what one set scatters.
+#[test]
+fn pairs_counted_by_distance_come_to_the_exact_sum() {
+    let line = |sampler: &str, rest: &str| found(&format!("--sampler {sampler} --device cpu --stats counts {rest}"));
+    for (sampler, integrand, tolerance) in [
+        ("jittered -n 32 --dim 1 -k 20", "gaussian:sigma=0.1", 1e-2),
+        ("poisson-disk -n 256 -k 20", "gaussian:sigma=0.1", 2e-2),
+        ("poisson-disk -n 256 -k 20", "disk", 1e-2),
+        ("random -n 100 --dim 3 -k 20", "disk", 2e-2),
+    ] {
+        let [exact, radial] =
+            ["pairs", "radial"].map(|way| line(sampler, &format!("--integrand {integrand} --spatial {way}")));
+        let value = |a: &Analysis| a.integration().unwrap().each[0].spatial.unwrap().value;
+        let (exact, radial) = (value(&exact), value(&radial));
+        assert!(
+            (radial / exact - 1.0).abs() < tolerance,
+            "{sampler}, {integrand}: {radial} by distance, {exact} by pairs"
+        );
+    }
+    let stretched =
+        request("--sampler random -n 9 --box 1,2 --integrand disk --spatial radial --device cpu --stats counts");
+    let wrong = pairwave::measure(Points::open(&stretched.input).unwrap(), &stretched).unwrap_err().to_string();
+    assert!(wrong.contains("radial: is for a box of equal sides"), "{wrong}");
+}
+
+/// Lags: single points, shells and what is not resolved add up to the spatial form; of jittered points all that matters is near.
+#[test]
+fn lags_add_up_to_the_spatial_form() {
+    let analysis =
+        found("--sampler jittered -n 256 -k 20 --integrand gaussian --integrand disk --device cpu --stats counts");
+    for e in &analysis.integration().unwrap().each {
+        let sum: f64 = e.alone + e.lags.iter().map(|shell| shell.variance).sum::<f64>();
+        let whole = e.spatial.unwrap().value;
+        assert!((sum / whole - 1.0).abs() < 1e-2, "{:?}: {sum} {whole}", e.integrand);
+        assert!((e.alone - e.v0 / 256.0).abs() < 1e-15 && whole < 0.2 * e.alone);
+        // Cells of a sixteenth: beyond two of them nothing is added.
+        let near: f64 = e.lags.iter().filter(|shell| shell.hi < 0.18).map(|shell| shell.variance).sum();
+        assert!((e.alone + near - whole).abs() < 0.1 * e.alone, "{near} {whole}");
     }
 }
 

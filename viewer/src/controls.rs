@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 22] = [
+    const WITHOUT: [Setting; 24] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -211,6 +211,8 @@ mod tests {
         Setting::Integrand,
         Setting::Estimator,
         Setting::Shifts,
+        Setting::Spatial,
+        Setting::Top,
         Setting::Intensity,
         Setting::By,
         Setting::IntensityColumn,

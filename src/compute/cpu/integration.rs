@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::Cpu;
 use super::lag_deposit::deposit;
+use super::pair_counts::pair_counts;
 use super::wave_power::{WavePoints, amplitudes, wave_power_seen};
 use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
 use crate::compute::compensated::Compensated;
@@ -14,7 +15,7 @@ use crate::compute::shifts::{lot, places, random_shift, weighted, weights, wrapp
 use crate::control::Control;
 use crate::error::Result;
 use crate::integrand::Integrand;
-use crate::plan::{Estimator, IntegrationPlan, PairSum, Removal, WavePlan, WaveVectors};
+use crate::plan::{Estimator, IntegrationPlan, PairPlan, PairSum, Removal, WavePlan, WaveVectors};
 use crate::points::Ensemble;
 
 /// Lags looked up at a time.
@@ -136,6 +137,9 @@ fn of_points(
     low(cpu, plan, ensemble, k, &mut each, control)?;
     if let Some(nodes) = plan.lag_nodes() {
         deposited_pairs(cpu, plan, ensemble, k, nodes, lags, &mut each, control)?;
+    }
+    if let Some(distances) = &plan.distances {
+        counted_pairs(cpu, plan, distances, ensemble, k, &mut each, control)?;
     }
     if plan.pairs == PairSum::Exact {
         exact_pairs(plan, ensemble, k, weights.as_deref(), &mut each, control)?;
@@ -283,6 +287,27 @@ fn exact_pairs(
     let rows = (0..n).into_par_iter().map(row).collect::<Result<Vec<_>>>()?;
     for (i, sums) in each.iter_mut().enumerate() {
         sums.pairs = rows.iter().map(|row| row[i]).collect::<Compensated>().sum();
+    }
+    Ok(())
+}
+
+/// Pairs by their distance; those beyond half a side by their number.
+fn counted_pairs(
+    cpu: &Cpu,
+    plan: &IntegrationPlan,
+    distances: &PairPlan,
+    ensemble: &Ensemble,
+    k: usize,
+    each: &mut [IntegrandSums],
+    control: &Control,
+) -> Result<()> {
+    let one = ensemble.slice(k..k + 1).stretched(&distances.domain);
+    let counts = pair_counts(cpu, distances, &one, control)?.counts;
+    let n = one.points_in(0) as f64;
+    let beyond = n * (n - 1.0) - counts.iter().map(|count| *count as f64).sum::<f64>();
+    let ordered: Vec<f64> = counts.iter().map(|count| *count as f64).chain([beyond]).collect();
+    for (table, sums) in plan.tables.iter().zip(each) {
+        sums.pairs = 0.5 * dot(&table.nodes, &ordered);
     }
     Ok(())
 }

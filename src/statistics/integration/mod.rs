@@ -10,7 +10,7 @@ use super::group::{Ask, Parts};
 use super::{Keys, Make, Output, Place, Room, Row, Turn, across};
 use crate::display::{escape, human, with_error};
 use crate::error::Result;
-use crate::estimate::{Analysis, IntegrationError, Measured};
+use crate::estimate::{Analysis, IntegrationError, Measured, ModeShare};
 use crate::plan::By;
 
 /// Integration in a report.
@@ -154,6 +154,20 @@ impl Room for Here {
 
     fn headline(&self, a: &Analysis) -> Vec<String> {
         let Some(found) = a.integration() else { return Vec::new() };
+        let tops = |e: &IntegrationError| {
+            let whole = found.predicted(e).value;
+            let name = |mode: &ModeShare| {
+                let m: Vec<String> = mode.m[..a.domain.dim()].iter().map(i32::to_string).collect();
+                format!(
+                    "  m = ±({}): {:.2} % of the variance, |f_m|² {}, P {}",
+                    m.join(", "),
+                    100.0 * mode.variance / whole,
+                    human(mode.coefficient),
+                    human(mode.p)
+                )
+            };
+            e.modes.iter().filter(|_| found.top.is_some() && whole > 0.0).map(name).collect::<Vec<_>>()
+        };
         let line = |e: &IntegrationError| {
             let all = found.predicted(e);
             let observed = e.observed.map_or("undefined".into(), |o| with_error(o.value, o.se));
@@ -178,6 +192,9 @@ impl Room for Here {
                 _ => format!("points weigh one over {}: {number}", p.spec),
             }
         });
-        std::iter::once(how).chain(placed).chain(found.each.iter().map(line)).collect()
+        std::iter::once(how)
+            .chain(placed)
+            .chain(found.each.iter().flat_map(|e| std::iter::once(line(e)).chain(tops(e))))
+            .collect()
     }
 }

@@ -33,6 +33,8 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
         integrands: &request.integrand,
         estimator: request.estimator,
         shifts: request.shifts.unwrap_or(SHIFTS),
+        spatial: request.spatial,
+        top: request.top,
         intensity: request.intensity.as_deref(),
         by: request.by,
         weighted: request.input.weight_column.is_some(),
@@ -63,6 +65,7 @@ impl Group for Integration {
         let pairs = match plan.pairs {
             PairSum::Exact => json!("exact"),
             PairSum::Deposit(nodes) => json!(nodes),
+            PairSum::Radial(bins) => json!(["radial", bins]),
             PairSum::None => Value::Null,
         };
         let density = plan.importance.as_ref().map(|importance| match importance {

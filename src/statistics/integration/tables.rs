@@ -9,6 +9,7 @@ pub(super) fn method(found: &IntegrationErrors) -> &'static str {
     match found.pairs {
         PairSum::Exact => "pairs",
         PairSum::Deposit(_) => "deposit",
+        PairSum::Radial(_) => "radial",
         PairSum::None => "",
     }
 }
