@@ -12,14 +12,16 @@
 
 use crate::accumulate::{IntegrandSums, IntegrationSums, RealizationSums};
 use crate::estimate::{Analysis, mean, standard_error};
-use crate::integrand::Integrand;
-use crate::plan::{Estimator, IntegrationPlan, PairSum};
+use crate::integrand::{Density, Integrand};
+use crate::plan::{By, Estimator, IntegrationPlan, PairSum};
 
 /// Errors of all integrands.
 #[derive(Debug, Clone)]
 pub struct IntegrationErrors {
     /// One per integrand.
     pub each: Vec<IntegrationError>,
+    /// The density that points are placed by, and how, where it is no constant.
+    pub placed: Option<(Density, By)>,
     /// The estimator.
     pub estimator: Estimator,
     /// How pairs were summed.
@@ -146,6 +148,7 @@ impl IntegrationErrors {
             each.map(|(i, integrand)| one(&totals, i, integrand, &counted, &weights)).collect::<Option<Vec<_>>>()?;
         Some(Self {
             each,
+            placed: plan.placed.clone(),
             estimator: plan.estimator,
             pairs: plan.pairs,
             max_frequency: plan.max_frequency().to_vec(),
@@ -276,8 +279,12 @@ fn observed(estimates: &[f64], scale: f64) -> Option<Measured> {
     Some(Measured { value: variance, se: Some(se.max(floor)) })
 }
 
-/// Shifted against predicted, realization by realization: the mean difference in its standard errors. Rounding is no difference.
+/// Shifted against predicted, realization by realization: the mean difference in its standard errors. Rounding is no difference, and all that
+/// there is of a constant.
 fn paired(shifted: &[f64], predicted: &[f64], unit: f64) -> Option<f64> {
+    if unit == 0.0 {
+        return None;
+    }
     let differences: Vec<f64> = shifted.iter().zip(predicted).map(|(w, v)| w - v).collect();
     let se = standard_error(&differences)?.max(1e-13 * unit);
     let z = mean(&differences)? / se;

@@ -8,7 +8,7 @@ use rustfft::num_complex::Complex;
 
 use super::{Accuracy, Batch, EnsembleShape, MAX_FREQUENCY, WaveGrid, WavePlan};
 use crate::error::{Error, Result};
-use crate::integrand::Integrand;
+use crate::integrand::{Density, Integrand};
 use crate::memory::Memory;
 use crate::named::named;
 use crate::points::Domain;
@@ -65,6 +65,8 @@ pub struct IntegrationPlan {
     pub domain: Domain,
     /// What is integrated.
     pub integrands: Arc<[Integrand]>,
+    /// The density that points are placed by, and how; integrands are functions of where they were before.
+    pub placed: Option<(Density, By)>,
     /// The estimator.
     pub estimator: Estimator,
     /// All frequencies `|m_k| <= F_k`.
@@ -153,22 +155,11 @@ impl IntegrationPlan {
         if settings.shifts == 0 || settings.shifts > 1 << 16 {
             return Err(Error::setting(Setting::Shifts, settings.shifts, "expected 1 to 65536"));
         }
-        match (settings.intensity, settings.by) {
-            (None, None) => {}
-            (None, Some(by)) => {
-                return Err(Error::setting(
-                    Setting::By,
-                    by,
-                    "needs `intensity`, the density that points are placed by",
-                ));
-            }
-            (Some(spec), None) => {
-                let reason =
-                    "says how dense points are, not how they are placed; expected `by` removal or warp beside it";
-                return Err(Error::setting(Setting::Intensity, spec, reason));
-            }
-            (Some(_), Some(by)) => return Err(Error::setting(Setting::By, by, "is not there yet")),
-        }
+        let placed = placed(settings.intensity, settings.by, dim)?;
+        let integrands = match &placed {
+            Some((density, By::Warp)) => integrands.iter().map(|f| f.warped(density)).collect::<Result<_>>()?,
+            _ => integrands,
+        };
         let frequencies = match settings.max_frequency {
             Some(&[f]) => vec![f; dim],
             Some(each) => each.to_vec(),
@@ -202,6 +193,7 @@ impl IntegrationPlan {
         Ok(Self {
             domain: domain.clone(),
             integrands: integrands.into(),
+            placed,
             estimator,
             grid,
             axes,
@@ -258,7 +250,9 @@ impl PartialEq for IntegrationPlan {
     fn eq(&self, other: &Self) -> bool {
         // Integrands, shifts and tables follow from these.
         let specs = |plan: &Self| plan.integrands.iter().map(|i| i.spec().to_string()).collect::<Vec<_>>();
+        let placed = |plan: &Self| plan.placed.as_ref().map(|(density, by)| (density.spec().to_string(), *by));
         specs(self) == specs(other)
+            && placed(self) == placed(other)
             && (&self.domain, self.estimator, &self.grid, &self.axes, self.low, self.pairs, self.shape, self.batch)
                 == (
                     &other.domain,
@@ -271,6 +265,24 @@ impl PartialEq for IntegrationPlan {
                     other.batch,
                 )
             && self.shifts == other.shifts
+    }
+}
+
+/// The density that points are placed by, if one is asked for, and how.
+fn placed(intensity: Option<&str>, by: Option<By>, dim: usize) -> Result<Option<(Density, By)>> {
+    match (intensity, by) {
+        (None, None) => Ok(None),
+        (None, Some(by)) => {
+            Err(Error::setting(Setting::By, by, "needs `intensity`, the density that points are placed by"))
+        }
+        (Some(spec), None) => {
+            let reason = "says how dense points are, not how they are placed; expected `by` removal or warp beside it";
+            Err(Error::setting(Setting::Intensity, spec, reason))
+        }
+        (Some(_), Some(By::Removal)) => {
+            Err(Error::setting(Setting::By, By::Removal, "is not there yet; expected warp"))
+        }
+        (Some(spec), Some(By::Warp)) => Ok(Some((Density::new(spec, dim)?, By::Warp))),
     }
 }
 
@@ -358,6 +370,9 @@ impl fmt::Display for IntegrationPlan {
         let many = self.integrands.len();
         let frequencies: Vec<String> = self.max_frequency().iter().map(u32::to_string).collect();
         writeln!(f, "integration: {many} integrands, estimator {}", self.estimator.name())?;
+        if let Some((density, by)) = &self.placed {
+            writeln!(f, "  points: placed by {by}, as dense as {}", density.spec())?;
+        }
         writeln!(f, "  spectral: |m| <= {}, along axes to {}", frequencies.join(", "), self.axis_frequency())?;
         match self.pairs {
             PairSum::Exact => writeln!(f, "  spatial: every pair"),

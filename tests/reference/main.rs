@@ -11,6 +11,7 @@ mod counts;
 mod discrepancy;
 mod integrands;
 mod integration;
+mod integration_warp;
 mod intensity;
 mod laws;
 mod polygon;

@@ -94,6 +94,8 @@ impl Room for Here {
     fn summary(&self, a: &Analysis, keys: &mut Keys<'_>) -> serde_json::Result<()> {
         let out = a.integration().map(|found| {
             json!({
+                "intensity": found.placed.as_ref().map(|(density, _)| density.spec()),
+                "by": found.placed.as_ref().map(|(_, by)| by.name()),
                 "estimator": found.estimator.name(),
                 "realizations": found.realizations,
                 "left_out": found.left_out,
@@ -148,6 +150,10 @@ impl Room for Here {
             )
         };
         let how = format!("integration, estimator {}, {} shifts:", found.estimator.name(), found.shifts);
-        std::iter::once(how).chain(found.each.iter().map(line)).collect()
+        let placed = found.placed.as_ref().map(|(density, by)| {
+            format!("points are as dense as {}, by {by}; g, P and shifts are of points before that", density.spec())
+        });
+        let how = std::iter::once(how).chain(placed);
+        how.chain(found.each.iter().map(line)).collect()
     }
 }

@@ -63,6 +63,7 @@ impl Group for Integration {
         };
         json!({
             "integrands": plan.integrands.iter().map(of).collect::<Vec<_>>(),
+            "placed": plan.placed.as_ref().map(|(density, by)| [density.spec(), by.name()]),
             "max_frequency": plan.max_frequency(),
             "axis_frequency": plan.axis_frequency(),
             "low_frequency": plan.low.max_frequency()[0],
@@ -115,6 +116,12 @@ impl Group for Integration {
         }
         if subject.request.input.weight_column.is_some() {
             warnings.push("integration takes every point once, whatever its weight".into());
+        }
+        if let Some((density, cells)) = errors.placed.as_ref().and_then(|(d, _)| Some((d, d.cells()?))) {
+            warnings.push(format!(
+                "{} jumps or bends, and is taken as constant on {cells} cells per axis: points are as dense as that, and weighted by that",
+                density.spec()
+            ));
         }
         for one in &errors.each {
             let (spec, whole) = (one.integrand.spec(), one.closed.value);
