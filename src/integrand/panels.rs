@@ -24,7 +24,7 @@ pub(super) struct Panels {
     dim: usize,
     /// Ends of panels, per axis; one panel on axes the box lacks.
     ends: [Vec<f64>; 3],
-    /// Coefficients by panel (the last axis slowest changes last), then by degree along z, y and x, x fastest.
+    /// Coefficients by panel, the last axis fastest, of each by degree along z, y and x, x fastest.
     whole: Vec<f64>,
     /// The same integrated over z: by panel of x and y, degree along y and x.
     over_z: Vec<f64>,
@@ -181,7 +181,7 @@ fn series(dim: usize, ends: &[Vec<f64>; 3], p: &(impl Fn([f64; 3]) -> f64 + Sync
         let panel = [panel / (counts[1] * counts[2]), panel / counts[2] % counts[1], panel % counts[2]];
         let at = |g: usize| {
             p(std::array::from_fn(|k| {
-                let (lo, hi) = (ends[k][panel[k]], ends[k][(panel[k] + 1).min(counts[k])]);
+                let (lo, hi) = (ends[k][panel[k]], ends[k][panel[k] + 1]);
                 if k < dim { lo + 0.5 * (1.0 + rule[g / TERMS.pow(k as u32) % TERMS].0) * (hi - lo) } else { 0.0 }
             }))
         };

@@ -235,7 +235,7 @@ fn both_forms_are_one_number() {
 fn jittered_points_by_hand() {
     for (f, density) in [("monomial:x=2,y=1", "monomial:x=1,y=1"), ("formula:x^2*y", "formula:4*x*y")] {
         let line = format!(
-            "--sampler jittered -n 64 -k 4000 --integrand {f} --intensity {density} --by warp --device cpu --stats pcf --r-max 0.05"
+            "--sampler jittered -n 64 -k 1000 --integrand {f} --intensity {density} --by warp --device cpu --stats pcf --r-max 0.05"
         );
         let analysis = found(&line);
         let e = &of(&analysis)[0];
@@ -282,7 +282,7 @@ fn what_is_predicted_is_observed() {
         let n = [40, 64, 64][dim - 1];
         for sampler in ["random", "jittered"] {
             let line = format!(
-                "--sampler {sampler} --dim {dim} -n {n} -k 800 --integrand {f} --intensity {density} --by warp --device cpu --stats pcf --r-max 0.05 --max-frequency 8"
+                "--sampler {sampler} --dim {dim} -n {n} -k 300 --integrand {f} --intensity {density} --by warp --device cpu --stats pcf --r-max 0.05 --max-frequency 8"
             );
             let analysis = found(&line);
             let e = &of(&analysis)[0];
