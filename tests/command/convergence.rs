@@ -1,5 +1,7 @@
 //! Variances against the number of points, and predictions without points, end to end.
 
+use std::collections::BTreeMap;
+
 use pairwave::Integrand;
 use pairwave::estimate::{Measured, PowerLaw, VarianceAt};
 
@@ -215,6 +217,15 @@ fn a_spectrum_predicts_without_points() {
     scratch.fails("integrate --p measured --integrand disk", 1, "measured: has neither spectrum.npy nor rings");
 }
 
+/// The columns of a table whose cells may hold commas.
+fn quoted(path: &std::path::Path) -> BTreeMap<String, Vec<String>> {
+    let mut reader = ::csv::Reader::from_path(path).unwrap();
+    let names: Vec<String> = reader.headers().unwrap().iter().map(String::from).collect();
+    let rows: Vec<::csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let column = |k: usize| rows.iter().map(|row| row[k].to_string()).collect();
+    names.into_iter().enumerate().map(|(k, name)| (name, column(k))).collect()
+}
+
 /// Importance sampling: what is in the table, in the summary and on the terminal is f and how points were placed.
 #[test]
 fn points_are_placed_by_a_warp() {
@@ -227,7 +238,7 @@ fn points_are_placed_by_a_warp() {
         said.contains("points are as dense as monomial:x=1,y=1, by warp; g, P and shifts are of points before that"),
         "{said}"
     );
-    let columns = table(&scratch.path("warp/variance.csv"));
+    let columns = quoted(&scratch.path("warp/variance.csv"));
     let number = |name: &str| columns[name][0].parse::<f64>().unwrap();
     assert_eq!(columns["integrand"], ["monomial:x=2,y=1"]);
     assert!((number("exact") - 1.0 / 6.0).abs() < 1e-15);
@@ -243,7 +254,7 @@ fn points_are_placed_by_a_warp() {
     // Points of files are where points were before, too.
     scratch.ok("sample jittered -n 64 -k 50 --out points.npy");
     scratch.ok(&format!("integrate points.npy {line} --quiet --out files"));
-    let files = table(&scratch.path("files/variance.csv"));
+    let files = quoted(&scratch.path("files/variance.csv"));
     for name in ["mean", "var_observed", "var_spatial"] {
         let [a, b] = [&columns, &files].map(|t| t[name][0].parse::<f64>().unwrap());
         assert!((a / b - 1.0).abs() < 1e-6, "{name}: {a} and {b}");
@@ -252,16 +263,16 @@ fn points_are_placed_by_a_warp() {
     // Placed by itself it has no error; without points, and against n.
     let same = "--integrand ramp --intensity ramp --by warp";
     scratch.ok(&format!("integrate --sampler random -n 20 -k 4 {same} --device cpu --quiet --out none"));
-    let none = table(&scratch.path("none/variance.csv"));
+    let none = quoted(&scratch.path("none/variance.csv"));
     for name in ["var_observed", "var_spatial", "var_spectral", "tail", "var_random"] {
         assert_eq!(none[name][0].parse::<f64>().unwrap(), 0.0, "{name}");
     }
     assert_eq!(none["z"][0], "");
     scratch.ok(&format!("integrate --p jittered -n 64 {line} --out closed").replace(" --device cpu", ""));
-    let closed = table(&scratch.path("closed/variance.csv"));
+    let closed = quoted(&scratch.path("closed/variance.csv"));
     let closed: f64 = ["var_spectral", "tail"].iter().map(|name| closed[*name][0].parse::<f64>().unwrap()).sum();
     assert!((closed - 1.50e-5).abs() < 0.05e-5, "{closed}");
     scratch.ok(&format!("convergence --sampler random -n 16,64 -k 20 {line} --quiet --out rates"));
-    let rates = table(&scratch.path("rates/convergence.csv"));
+    let rates = quoted(&scratch.path("rates/convergence.csv"));
     assert_eq!(rates["integrand"], ["monomial:x=2,y=1", "monomial:x=2,y=1"]);
 }
