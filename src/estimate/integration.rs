@@ -54,6 +54,8 @@ pub struct Placed {
     pub points: Measured,
     /// What that should be.
     pub expected: f64,
+    /// Cells per axis on which a density is taken as constant that points are warped to, where it jumps or bends.
+    pub cells: Option<usize>,
 }
 
 /// A number with its standard error.
@@ -195,12 +197,10 @@ impl IntegrationErrors {
         let kept: Vec<f64> = counted.iter().map(points).collect();
         let mean_points = Measured { value: mean(&kept)?, se: standard_error(&kept) };
         let parents = mean(&counted.iter().map(|r| r.n as f64).collect::<Vec<_>>())?;
-        let (density, expected) = match &plan.importance {
-            None => (None, mean_points.value),
-            Some(Importance::Known(density)) => (Some((density.spec(), None)), density.integral()),
-            Some(Importance::Removal(removal)) => {
-                (Some((removal.density.spec(), Some(By::Removal))), removal.kept * parents)
-            }
+        let expected = match &plan.importance {
+            None | Some(Importance::Warp(_)) => mean_points.value,
+            Some(Importance::Known(density)) => density.integral(),
+            Some(Importance::Removal(removal)) => removal.kept * parents,
         };
         let weigh = |r: &RealizationSums| match plan.estimator {
             Estimator::Mean => (1.0 / r.n as f64, plan.weighted),
@@ -244,7 +244,16 @@ impl IntegrationErrors {
             shifts: (plan.shifts.len() / plan.domain.dim()) as u64,
             realizations: counted.len() as u64,
             left_out: (sums.realizations.len() - counted.len()) as u64,
-            placed: density.map(|(spec, by)| Placed { spec: spec.into(), by, points: mean_points, expected }),
+            placed: plan.importance.as_ref().map(|importance| Placed {
+                spec: importance.density().into(),
+                by: importance.by(),
+                points: mean_points,
+                expected,
+                cells: match importance {
+                    Importance::Warp(density) => density.cells(),
+                    _ => None,
+                },
+            }),
         })
     }
 }
@@ -410,8 +419,12 @@ fn observed(estimates: &[f64], scale: f64) -> Option<Measured> {
     Some(Measured { value: variance, se: Some(se.max(floor)) })
 }
 
-/// Shifted against predicted, realization by realization: the mean difference in its standard errors. Rounding is no difference.
+/// Shifted against predicted, realization by realization: the mean difference in its standard errors. Rounding is no difference, and all that
+/// there is of a constant.
 fn paired(shifted: &[f64], predicted: &[f64], unit: f64) -> Option<f64> {
+    if unit == 0.0 {
+        return None;
+    }
     let differences: Vec<f64> = shifted.iter().zip(predicted).map(|(w, v)| w - v).collect();
     let se = standard_error(&differences)?.max(1e-13 * unit);
     let z = mean(&differences)? / se;

@@ -98,6 +98,10 @@ impl Shape for Cells {
         sum
     }
 
+    fn cells(&self) -> Option<([usize; 3], &[f64])> {
+        Some((self.shape, &self.values))
+    }
+
     fn smoothness(&self) -> f64 {
         1.0
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustfft::num_complex::Complex;
 
-use super::pieces::Pieces;
+use super::pieces::{CELLS, Pieces};
 use super::quadrature::nested;
 use super::shape::Shape;
 
@@ -17,9 +17,6 @@ pub(super) struct Difference {
     integral_error: f64,
     pieces: Pieces,
 }
-
-/// Cells per axis, by dimension.
-const CELLS: [usize; 3] = [4096, 256, 32];
 
 impl Difference {
     pub(super) fn new(dim: usize, f: Arc<dyn Shape>, p: Arc<dyn Shape>, scale: f64) -> Self {

@@ -56,6 +56,8 @@ pub struct Steps {
     transform: Vec<Complex<f64>>,
     /// The mean of v_i v_(i+j), j = 0 to N.
     products: Vec<f64>,
+    /// The sum of those before each.
+    sums: Vec<f64>,
 }
 
 impl Steps {
@@ -65,7 +67,9 @@ impl Steps {
         transform(&mut field, &[n]);
         let product = |j: usize| (0..n).map(|i| values[i] * values[(i + j) % n]).sum::<f64>() / n as f64;
         let products = (0..=n).map(|j| product(j % n)).collect();
-        Self { values, transform: field, products }
+        let before = |sum: &mut f64, v: &f64| Some(std::mem::replace(sum, *sum + v));
+        let sums = values.iter().scan(0.0, before).collect();
+        Self { values, transform: field, products, sums }
     }
 }
 
@@ -154,6 +158,34 @@ impl Factor {
     /// Its integral.
     pub fn integral(&self) -> f64 {
         self.coefficient(0).re
+    }
+
+    /// The integral over [0, t].
+    pub(super) fn cumulative(&self, t: f64) -> f64 {
+        let gaussian = |sigma: f64, center: f64| {
+            let at = |x: f64| libm::erf((x - center) / (sigma * std::f64::consts::SQRT_2));
+            sigma * (PI / 2.0).sqrt() * (at(t) - at(0.0))
+        };
+        match self {
+            Self::One => t,
+            Self::Interval { lo, hi } => t.clamp(*lo, *hi) - lo,
+            Self::Power(p) => t.powi(*p as i32 + 1) / (f64::from(*p) + 1.0),
+            Self::Cosine { k, phase } => {
+                let turns = TAU * f64::from(*k);
+                ((turns * t + phase).sin() - phase.sin()) / turns
+            }
+            Self::Gaussian { sigma, center } => {
+                let reach = (1.0 + REACH * sigma).floor() as i32;
+                (-reach..=reach).map(|j| gaussian(*sigma, center + f64::from(j))).sum()
+            }
+            Self::CutGaussian { sigma, center } => gaussian(*sigma, *center),
+            Self::Steps(steps) => {
+                let n = steps.values.len();
+                let place = t * n as f64;
+                let j = (place as usize).min(n - 1);
+                (steps.sums[j] + steps.values[j] * (place - j as f64)) / n as f64
+            }
+        }
     }
 
     /// `int f(x) f(x + r mod 1) dx`, `r` in [0, 1).

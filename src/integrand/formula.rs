@@ -6,8 +6,8 @@ use rustfft::num_complex::Complex;
 
 use super::entry::{AXES, Entry, Given, wrong};
 use super::expression::Expression;
-use super::pieces::Pieces;
-use super::quadrature::{Integrals, SPREAD, over_box};
+use super::pieces::{CELLS, Known, SPREAD};
+use super::quadrature::{Integrals, over_box};
 use super::shape::{Shape, wrap};
 use super::spec::{Parameter, Takes};
 use crate::error::Result;
@@ -26,19 +26,11 @@ pub(super) static ENTRY: Entry = Entry {
     ..Entry::new("formula", "any expression of the coordinates", make)
 };
 
-/// Cells per axis, by dimension.
-const CELLS: [usize; 3] = [4096, 256, 32];
-
-/// Errors are twice what half as many cells differ by.
-const SAFETY: f64 = 2.0;
-
 struct Formula {
     dim: usize,
     expression: Expression,
     integrals: Integrals,
-    pieces: Pieces,
-    coefficient_error: f64,
-    autocorrelation_error: f64,
+    pieces: Known,
 }
 
 fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
@@ -67,10 +59,8 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
         let reason = "the integral of it or of its square does not converge; expected an expression that is finite on the whole box";
         return Err(wrong(reason));
     }
-    let pieces = Pieces::new(dim, cells, value);
-    let half = Pieces::new(dim, cells / 2, value);
-    let (coefficient_error, autocorrelation_error) = differences(dim, &pieces, &half);
-    Ok(Arc::new(Formula { dim, integrals, pieces, coefficient_error, autocorrelation_error, expression }))
+    let pieces = Known::new(dim, value, integrals.first);
+    Ok(Arc::new(Formula { dim, integrals, pieces, expression }))
 }
 
 /// Edges and corners of cells, where poles at 0 and simple fractions lie.
@@ -92,23 +82,6 @@ fn not_finite(dim: usize, x: [f64; 3], value: f64) -> crate::Error {
     wrong(format!("it is {what} at {}; expected an expression that is finite on [0, 1)^{dim}", place.join(", ")))
 }
 
-/// The largest difference of f_m and of a, each times what makes it safe: of f_m on the axes, where most of a function of one coordinate
-/// is, and elsewhere, low and high; of a between lags of whole cells.
-fn differences(dim: usize, fine: &Pieces, coarse: &Pieces) -> (f64, f64) {
-    let within = |x: [f64; 3]| std::array::from_fn(|k| if k < dim { x[k] } else { 0.0 });
-    // In no order, evenly spread: Kronecker's sequence of the plastic numbers.
-    let spread = |i: i32| within(SPREAD.map(|step| wrap(f64::from(i) * step)));
-    let lags = (1..200).map(spread);
-    let a = lags.map(|r| (fine.autocorrelation(r) - coarse.autocorrelation(r)).abs()).fold(0.0, f64::max);
-    let elsewhere = (1..200).map(|i| {
-        let reach = if i < 100 { 9.0 } else { 100.0 };
-        spread(i).map(|r| if r == 0.0 { 0 } else { ((2.0 * r - 1.0) * reach).round() as i32 })
-    });
-    let axes = (0..dim).flat_map(|axis| (0..64).map(move |m| std::array::from_fn(|k| if k == axis { m } else { 0 })));
-    let f = axes.chain(elsewhere).map(|m| (fine.coefficient(m) - coarse.coefficient(m)).norm()).fold(0.0, f64::max);
-    (SAFETY * f, SAFETY * a)
-}
-
 impl Shape for Formula {
     fn value(&self, x: [f64; 3]) -> f64 {
         self.expression.value(x)
@@ -127,18 +100,15 @@ impl Shape for Formula {
     }
 
     fn coefficient(&self, m: [i32; 3]) -> Complex<f64> {
-        if m == [0; 3] { Complex::from(self.integrals.first) } else { self.pieces.coefficient(m) }
+        self.pieces.coefficient(m)
     }
 
     fn coefficient_error(&self) -> f64 {
-        self.coefficient_error
+        self.pieces.coefficient_error
     }
 
     fn coefficients(&self, max: [u32; 3]) -> Vec<Complex<f64>> {
-        let mut all = self.pieces.coefficients(max);
-        let middle = all.len() / 2;
-        all[middle] = Complex::from(self.integrals.first);
-        all
+        self.pieces.coefficients(max)
     }
 
     fn autocorrelation(&self, r: [f64; 3]) -> f64 {
@@ -146,7 +116,7 @@ impl Shape for Formula {
     }
 
     fn autocorrelation_error(&self) -> f64 {
-        self.autocorrelation_error
+        self.pieces.autocorrelation_error
     }
 
     /// By looking across the wrap, at some places of every side: a jump, a bend, or neither.

@@ -7,6 +7,41 @@ use super::quadrature::{gauss, legendre};
 use super::shape::{grid, turn, wrap};
 use crate::fourier::transform;
 
+/// Cells per axis, by dimension.
+pub(super) const CELLS: [usize; 3] = [4096, 256, 32];
+
+/// Errors are twice what half as many cells differ by.
+const SAFETY: f64 = 2.0;
+
+/// Steps of a sequence that is evenly spread in the box.
+pub(super) const SPREAD: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
+
+/// What pieces know of a function, and how well.
+pub(super) struct Known {
+    pieces: Pieces,
+    /// What f_m, and a, may err by.
+    pub(super) coefficient_error: f64,
+    pub(super) autocorrelation_error: f64,
+}
+
+impl Known {
+    /// Of a function whose integral is known better than by its pieces: that is f_0, and its square the mean of a.
+    pub(super) fn new(dim: usize, f: impl Fn([f64; 3]) -> f64 + Sync, integral: f64) -> Self {
+        let cells = CELLS[dim - 1];
+        let [pieces, half] = [cells, cells / 2].map(|cells| Pieces::new(dim, cells, &f).with_integral(integral));
+        let (coefficient_error, autocorrelation_error) = differences(dim, &pieces, &half);
+        Self { pieces, coefficient_error, autocorrelation_error }
+    }
+}
+
+impl std::ops::Deref for Known {
+    type Target = Pieces;
+
+    fn deref(&self) -> &Pieces {
+        &self.pieces
+    }
+}
+
 /// Legendre series of degree `ORDER - 1` per axis and cell, through the values at the places of Gauss's rule.
 pub(super) struct Pieces {
     dim: usize,
@@ -69,6 +104,15 @@ impl Pieces {
         }
         transform(&mut power, &shape);
         Self { dim, cells, transforms, products: power.into_iter().map(|c| c.re).collect() }
+    }
+
+    /// The same with another integral.
+    fn with_integral(mut self, integral: f64) -> Self {
+        // The first product is that of constants, its first coefficient the mean.
+        let before = std::mem::replace(&mut self.transforms[0][0], Complex::from(integral));
+        let more = integral * integral - before.norm_sqr();
+        self.products.iter_mut().for_each(|a| *a += more);
+        self
     }
 
     /// `(-i)^l j_l(pi m h)` along an axis: the transform of a Legendre polynomial.
@@ -137,4 +181,21 @@ impl Pieces {
 /// The degrees per axis of a product of polynomials.
 fn degrees(l: usize, dim: usize) -> impl Iterator<Item = usize> {
     (0..dim).map(move |k| l / ORDER.pow((dim - 1 - k) as u32) % ORDER)
+}
+
+/// The largest difference of f_m and of a, each times what makes it safe: of f_m on the axes, where most of a function of one coordinate
+/// is, and elsewhere, low and high; of a between lags of whole cells.
+fn differences(dim: usize, fine: &Pieces, coarse: &Pieces) -> (f64, f64) {
+    let within = |x: [f64; 3]| std::array::from_fn(|k| if k < dim { x[k] } else { 0.0 });
+    // In no order, evenly spread: Kronecker's sequence of the plastic numbers.
+    let spread = |i: i32| within(SPREAD.map(|step| wrap(f64::from(i) * step)));
+    let lags = (1..200).map(spread);
+    let a = lags.map(|r| (fine.autocorrelation(r) - coarse.autocorrelation(r)).abs()).fold(0.0, f64::max);
+    let elsewhere = (1..200).map(|i| {
+        let reach = if i < 100 { 9.0 } else { 100.0 };
+        spread(i).map(|r| if r == 0.0 { 0 } else { ((2.0 * r - 1.0) * reach).round() as i32 })
+    });
+    let axes = (0..dim).flat_map(|axis| (0..64).map(move |m| std::array::from_fn(|k| if k == axis { m } else { 0 })));
+    let f = axes.chain(elsewhere).map(|m| (fine.coefficient(m) - coarse.coefficient(m)).norm()).fold(0.0, f64::max);
+    (SAFETY * f, SAFETY * a)
 }

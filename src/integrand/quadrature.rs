@@ -3,6 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::pieces::SPREAD;
+
 /// Places and weights of Gauss's rule on [-1, 1], exact for polynomials up to degree 2 n - 1: Newton's method on Legendre's P_n
 /// (Press et al., Numerical Recipes, 4.6).
 pub(super) fn gauss(n: usize) -> Vec<(f64, f64)> {
@@ -184,9 +186,6 @@ pub(crate) fn nested(dim: usize, f: impl Fn([f64; 3]) -> f64) -> Integral {
     let unseen = if line.jumps.get() { [1e-12, 3e-8, 1e-6][dim - 1] * scale } else { 0.0 };
     Integral { error: found.error + unseen, ..found }
 }
-
-/// Steps of a sequence that is evenly spread in the box: powers of the plastic numbers.
-pub(super) const SPREAD: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
 
 struct Line<F> {
     dim: usize,

@@ -70,6 +70,11 @@ pub(super) trait Shape: Send + Sync {
         None
     }
 
+    /// The cells per axis that it is constant on, and their values, the last axis fastest.
+    fn cells(&self) -> Option<([usize; 3], &[f64])> {
+        None
+    }
+
     /// c of `|f_m|^2 ~ |m|^(-d-c)`: 1 with a jump, 3 with a kink, infinite where f is smooth, also across the wrap.
     fn smoothness(&self) -> f64;
 }

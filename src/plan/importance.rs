@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Estimator;
 use crate::error::{Error, Result};
-use crate::integrand::{Integral, Integrand, nested};
+use crate::integrand::{Integral, Integrand, nested, nonnegative};
 use crate::setting::Setting;
 
 /// Points of a parent are kept with probability `density / maximum`, and then weigh `maximum / density`, over what the parent's weigh.
@@ -24,8 +24,7 @@ impl Removal {
     /// Finds the largest value and the integrals.
     pub(super) fn new(spec: &str, integrands: &[Integrand], estimator: Estimator) -> Result<Self> {
         let dim = integrands.first().map_or(2, Integrand::dim);
-        let density = density(spec, dim)?;
-        let (maximum, _) = density.maximum();
+        let (density, maximum) = nonnegative(spec, dim)?;
         let kept = density.integral() / maximum;
         let q = |x: [f64; 3]| density.value(&x[..dim]) / maximum;
         let never = |x: [f64; 3], f: &Integrand| {
@@ -94,21 +93,4 @@ impl Removal {
             }
         }
     }
-}
-
-/// A density: an integrand that is nowhere below 0, and not 0 everywhere.
-pub(super) fn density(spec: &str, dim: usize) -> Result<Integrand> {
-    let density = Integrand::new(spec, dim).map_err(|error| match error {
-        Error::Setting { value, reason, .. } => Error::Setting { setting: Setting::Intensity, value, reason },
-        other => other,
-    })?;
-    let (maximum, (least, at)) = density.maximum();
-    if least < 0.0 {
-        let reason = format!("is {least} at {:?}; expected a density, at least 0 everywhere", &at[..dim]);
-        return Err(Error::setting(Setting::Intensity, spec, reason));
-    }
-    if !(maximum > 0.0 && density.integral() > 0.0) {
-        return Err(Error::setting(Setting::Intensity, spec, "is 0 everywhere; expected a density above 0 somewhere"));
-    }
-    Ok(density)
 }

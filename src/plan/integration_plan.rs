@@ -6,12 +6,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
-use super::importance::density;
 use super::{
     Accuracy, Batch, Correction, EnsembleShape, MAX_FREQUENCY, PairPlan, RadialBins, Removal, WaveGrid, WavePlan,
 };
 use crate::error::{Error, Result};
-use crate::integrand::Integrand;
+use crate::integrand::{Density, Integrand, nonnegative};
 use crate::memory::Memory;
 use crate::named::named;
 use crate::points::Domain;
@@ -55,6 +54,8 @@ pub enum Importance {
     Known(Integrand),
     /// Those at hand are parents, of which some are kept.
     Removal(Removal),
+    /// Those at hand are mapped to it, and integrands are functions of where they were before.
+    Warp(Density),
 }
 
 /// How the sum over pairs of points is taken.
@@ -204,8 +205,12 @@ impl IntegrationPlan {
             return Err(Error::setting(Setting::Shifts, settings.shifts, "expected 1 to 65536"));
         }
         let importance = Importance::new(&settings, &integrands, estimator)?;
+        let integrands = match &importance {
+            Some(Importance::Warp(density)) => integrands.iter().map(|f| f.warped(density)).collect::<Result<_>>()?,
+            _ => integrands,
+        };
         let averaged: Vec<Integrand> = match &importance {
-            // To first order f - I p, p the density over its integral, has the variance of the ratio (integration by the delta method).
+            // To first order f - I p, p the density over its integral, has the variance of the ratio.
             Some(Importance::Removal(removal)) if estimator == Estimator::CountRatio => {
                 let scale = |f: &Integrand| f.integral() / removal.density.integral();
                 integrands.par_iter().map(|f| f.less(&removal.density, scale(f))).collect()
@@ -348,6 +353,24 @@ fn estimator(settings: &IntegrationSettings<'_>, weighted: bool) -> Result<Estim
 }
 
 impl Importance {
+    /// The specification of the density.
+    pub fn density(&self) -> &str {
+        match self {
+            Self::Known(density) => density.spec(),
+            Self::Removal(removal) => removal.density.spec(),
+            Self::Warp(density) => density.spec(),
+        }
+    }
+
+    /// How points come by it; `None` where they are said to have it.
+    pub fn by(&self) -> Option<By> {
+        match self {
+            Self::Known(_) => None,
+            Self::Removal(_) => Some(By::Removal),
+            Self::Warp(_) => Some(By::Warp),
+        }
+    }
+
     fn new(settings: &IntegrationSettings<'_>, integrands: &[Integrand], estimator: Estimator) -> Result<Option<Self>> {
         let dim = integrands.first().map_or(2, Integrand::dim);
         let Some(spec) = settings.intensity else {
@@ -364,9 +387,9 @@ impl Importance {
             return Err(Error::setting(Setting::Intensity, spec, reason));
         }
         match settings.by {
-            None => Ok(Some(Self::Known(density(spec, dim)?))),
+            None => Ok(Some(Self::Known(nonnegative(spec, dim)?.0))),
             Some(By::Removal) => Ok(Some(Self::Removal(Removal::new(spec, integrands, estimator)?))),
-            Some(By::Warp) => Err(Error::setting(Setting::By, By::Warp, "is not there yet")),
+            Some(By::Warp) => Ok(Some(Self::Warp(Density::new(spec, dim)?))),
             Some(By::Add) => {
                 let reason = "points added to others have another g than these: what is predicted from it would be wrong, even below 0;                               expected removal, from a parent as dense as the largest value";
                 Err(Error::setting(Setting::By, By::Add, reason))
@@ -379,11 +402,7 @@ impl PartialEq for IntegrationPlan {
     fn eq(&self, other: &Self) -> bool {
         // Integrands, shifts and tables follow from these.
         let specs = |plan: &Self| plan.integrands.iter().map(|i| i.spec().to_string()).collect::<Vec<_>>();
-        let importance = |plan: &Self| match &plan.importance {
-            None => None,
-            Some(Importance::Known(density)) => Some((By::Warp, density.spec().to_string())),
-            Some(Importance::Removal(removal)) => Some((By::Removal, removal.density.spec().to_string())),
-        };
+        let importance = |plan: &Self| plan.importance.as_ref().map(|i| (i.by(), i.density().to_string()));
         specs(self) == specs(other)
             && importance(self) == importance(other)
             && (self.weighted, self.top) == (other.weighted, other.top)
@@ -553,6 +572,7 @@ impl fmt::Display for IntegrationPlan {
                 removal.density.spec(),
                 removal.maximum
             )?,
+            Some(Importance::Warp(density)) => writeln!(f, "  points: placed by warp, as dense as {}", density.spec())?,
         }
         writeln!(f, "  spectral: |m| <= {}, along axes to {}", frequencies.join(", "), self.axis_frequency())?;
         match self.pairs {

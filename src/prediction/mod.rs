@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::error::{Error, Result, number};
 use crate::estimate::Prediction;
 use crate::memory::Memory;
-use crate::plan::{Accuracy, EnsembleShape, Estimator, IntegrationPlan, IntegrationSettings, Spatial, WaveGrid};
+use crate::plan::{Accuracy, By, EnsembleShape, Estimator, IntegrationPlan, IntegrationSettings, Spatial, WaveGrid};
 use crate::points::Domain;
 use crate::report;
 use crate::request::Request;
@@ -25,6 +25,8 @@ pub struct Predicted {
     n: f64,
     dim: usize,
     estimator: Estimator,
+    /// The density that points are placed by, and how.
+    placed: Option<(String, By)>,
     max_frequency: Vec<u32>,
     /// How P was taken to n points.
     rule: String,
@@ -158,6 +160,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
         n,
         dim,
         estimator,
+        placed: plan.importance.as_ref().and_then(|i| Some((i.density().to_string(), i.by()?))),
         max_frequency: plan.max_frequency().to_vec(),
         rule: rule.into(),
         each,
@@ -214,7 +217,9 @@ impl Predicted {
 
     /// What is predicted, for a terminal.
     pub fn text(&self) -> String {
-        let heading = format!("predicted by {}, n = {}, {}", self.subject, number(self.n), self.rule);
+        let placed = self.placed.as_ref();
+        let placed = placed.map_or(String::new(), |(density, by)| format!(", points as dense as {density} by {by}"));
+        let heading = format!("predicted by {}, n = {}, {}{placed}", self.subject, number(self.n), self.rule);
         let names =
             ["integrand", "exact", "var_spectral", "var_spectral_se", "tail", "tail_bound", "count_term", "var_random"];
         report::some_columns(&heading, &names, &self.table())
@@ -235,6 +240,8 @@ impl Predicted {
             "subject": self.subject,
             "n": self.n,
             "d": self.dim,
+            "intensity": self.placed.as_ref().map(|(density, _)| density),
+            "by": self.placed.as_ref().map(|(_, by)| by.name()),
             "estimator": self.estimator.name(),
             "max_frequency": self.max_frequency,
         });

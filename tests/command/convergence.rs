@@ -1,5 +1,7 @@
 //! Variances against the number of points, and predictions without points, end to end.
 
+use std::collections::BTreeMap;
+
 use pairwave::Integrand;
 use pairwave::estimate::{Measured, PowerLaw, VarianceAt};
 
@@ -213,4 +215,64 @@ fn a_spectrum_predicts_without_points() {
     assert!((all * 100.0 / f.square_integral() - 1.0).abs() < 1e-9, "int f^2 / lambda");
     std::fs::remove_file(scratch.path("measured/spectrum_radial.csv")).unwrap();
     scratch.fails("integrate --p measured --integrand disk", 1, "measured: has neither spectrum.npy nor rings");
+}
+
+/// The columns of a table whose cells may hold commas.
+fn quoted(path: &std::path::Path) -> BTreeMap<String, Vec<String>> {
+    let mut reader = ::csv::Reader::from_path(path).unwrap();
+    let names: Vec<String> = reader.headers().unwrap().iter().map(String::from).collect();
+    let rows: Vec<::csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let column = |k: usize| rows.iter().map(|row| row[k].to_string()).collect();
+    names.into_iter().enumerate().map(|(k, name)| (name, column(k))).collect()
+}
+
+/// Importance sampling: what is in the table, in the summary and on the terminal is f and how points were placed.
+#[test]
+fn points_are_placed_by_a_warp() {
+    let scratch = Scratch::new();
+    let line = "--integrand monomial:x=2,y=1 --intensity monomial:x=1,y=1 --by warp --device cpu";
+    let said = scratch.run(&format!("integrate --sampler jittered -n 64 -k 50 {line} --out warp"));
+    assert!(said.status.success());
+    let said = String::from_utf8_lossy(&said.stdout).into_owned() + &String::from_utf8_lossy(&said.stderr);
+    assert!(
+        said.contains("points are as dense as monomial:x=1,y=1, by warp; g, P and shifts are of points before that"),
+        "{said}"
+    );
+    let columns = quoted(&scratch.path("warp/variance.csv"));
+    let number = |name: &str| columns[name][0].parse::<f64>().unwrap();
+    assert_eq!(columns["integrand"], ["monomial:x=2,y=1"]);
+    assert!((number("exact") - 1.0 / 6.0).abs() < 1e-15);
+    // h = sqrt(u) / 4.
+    assert!((number("var_random") * 64.0 - (1.0 / 32.0 - 1.0 / 36.0)).abs() < 1e-9);
+    assert!(number("bias").abs() < 5.0 * number("bias_se"));
+    assert!((number("var_spatial") - 1.50e-5).abs() < 0.1e-5 && number("var_observed") < 0.3e-5);
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(scratch.path("warp/summary.json")).unwrap()).unwrap();
+    let found = &summary["integration"];
+    assert_eq!((&found["intensity"], &found["by"]), (&"monomial:x=1,y=1".into(), &"warp".into()));
+
+    // Points of files are where points were before, too.
+    scratch.ok("sample jittered -n 64 -k 50 --out points.npy");
+    scratch.ok(&format!("integrate points.npy {line} --quiet --out files"));
+    let files = quoted(&scratch.path("files/variance.csv"));
+    for name in ["mean", "var_observed", "var_spatial"] {
+        let [a, b] = [&columns, &files].map(|t| t[name][0].parse::<f64>().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-6, "{name}: {a} and {b}");
+    }
+
+    // Placed by itself it has no error; without points, and against n.
+    let same = "--integrand ramp --intensity ramp --by warp";
+    scratch.ok(&format!("integrate --sampler random -n 20 -k 4 {same} --device cpu --quiet --out none"));
+    let none = quoted(&scratch.path("none/variance.csv"));
+    for name in ["var_observed", "var_spatial", "var_spectral", "tail", "var_random"] {
+        assert_eq!(none[name][0].parse::<f64>().unwrap(), 0.0, "{name}");
+    }
+    assert_eq!(none["z"][0], "");
+    scratch.ok(&format!("integrate --p jittered -n 64 {line} --out closed").replace(" --device cpu", ""));
+    let closed = quoted(&scratch.path("closed/variance.csv"));
+    let closed: f64 = ["var_spectral", "tail"].iter().map(|name| closed[*name][0].parse::<f64>().unwrap()).sum();
+    assert!((closed - 1.50e-5).abs() < 0.05e-5, "{closed}");
+    scratch.ok(&format!("convergence --sampler random -n 16,64 -k 20 {line} --quiet --out rates"));
+    let rates = quoted(&scratch.path("rates/convergence.csv"));
+    assert_eq!(rates["integrand"], ["monomial:x=2,y=1", "monomial:x=2,y=1"]);
 }

@@ -875,6 +875,31 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             2,
             "--intensity ramp: says how dense points are, not how they are placed; expected --by removal or warp beside it",
         ),
+        (
+            "integrate --sampler random -n 9 --integrand disk --intensity rmp --by warp",
+            2,
+            "--intensity rmp: no such integrand (did you mean ramp?); expected one of disk, box, step, interval, steps, half-plane, gaussian, cut-gaussian, ramp, monomial, cosine, checker, zone-plate, bump, image, formula, table",
+        ),
+        (
+            "integrate --sampler random -n 9 --integrand disk --intensity formula:x-0.5 --by warp",
+            2,
+            "--intensity formula:x-0.5: is -0.5 at x = 0, y = 0; expected a density, 0 or more everywhere",
+        ),
+        (
+            "integrate --sampler random -n 9 --integrand disk --intensity formula:0*x --by warp",
+            2,
+            "--intensity formula:0*x: has the integral 0; expected a density, whose integral is above 0",
+        ),
+        (
+            "integrate --sampler random -n 9 --integrand ramp --intensity step:at=0.5 --by warp",
+            2,
+            "--intensity step:axis=x,at=0.5: is 0 where ramp:axis=x is not: 75.000 % of the integral is never sampled, a bias; expected a density above 0 wherever the integrand is not 0",
+        ),
+        (
+            "integrate --sampler random --dim 1 -n 9 --integrand formula:1 --intensity ramp --by warp",
+            2,
+            "--intensity ramp:axis=x: falls to 0 where formula:1 does not:",
+        ),
         ("integrate --sampler random -n 9 --integrand formula:1/(x-0.5)", 2, "--integrand formula:1/(x-0.5):"),
         ("analyze", 2, "FILES (none): expected point files, or --sampler NAME -n N"),
     ];

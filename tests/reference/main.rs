@@ -12,6 +12,7 @@ mod discrepancy;
 mod importance;
 mod integrands;
 mod integration;
+mod integration_warp;
 mod intensity;
 mod laws;
 mod polygon;

@@ -189,7 +189,10 @@ impl Room for Here {
                 Some(By::Removal) => {
                     format!("points are kept by {}: {number}; g, P and phase are of their parents", p.spec)
                 }
-                _ => format!("points weigh one over {}: {number}", p.spec),
+                Some(_) => {
+                    format!("points are as dense as {}, by warp; g, P and shifts are of points before that", p.spec)
+                }
+                None => format!("points weigh one over {}: {number}", p.spec),
             }
         });
         std::iter::once(how)

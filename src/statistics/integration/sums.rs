@@ -71,6 +71,7 @@ impl Group for Integration {
         let density = plan.importance.as_ref().map(|importance| match importance {
             Importance::Known(density) => json!([density.spec(), density.integral()]),
             Importance::Removal(removal) => json!([removal.density.spec(), removal.maximum, removal.kept]),
+            Importance::Warp(density) => json!([density.spec(), "warp"]),
         });
         json!({
             "integrands": plan.integrands.iter().map(of).collect::<Vec<_>>(),
@@ -145,6 +146,12 @@ impl Group for Integration {
             );
         }
         let uneven = errors.placed.is_some() || subject.request.input.weight_column.is_some();
+        if let Some((placed, cells)) = errors.placed.as_ref().and_then(|placed| Some((placed, placed.cells?))) {
+            warnings.push(format!(
+                "{} jumps or bends, and is taken as constant on {cells} cells per axis: points are as dense as that, and weighted by that",
+                placed.spec
+            ));
+        }
         for one in &errors.each {
             let z = one.bias.se.map(|se| one.bias.value / se.max(1e-13 * one.integrand.square_integral().sqrt()));
             if let Some(z) = z.filter(|z| errors.realizations >= 10 && z.abs() > SURE) {
