@@ -217,8 +217,8 @@ fn tails(dim: usize, ends: &[Vec<f64>; 3], whole: &[f64]) -> [Vec<f64>; 3] {
             tails[k][at[k]] = tails[k][at[k]].max(most);
         }
     }
-    for k in 0..dim {
-        tails[k].iter_mut().enumerate().for_each(|(i, tail)| *tail *= width(k, i) / integral);
+    for (k, slabs) in tails.iter_mut().enumerate() {
+        slabs.iter_mut().enumerate().for_each(|(i, tail)| *tail *= width(k, i) / integral);
     }
     tails
 }
