@@ -3,6 +3,7 @@
 mod color_map;
 mod decimate;
 pub(crate) mod figure;
+mod integrands;
 mod lag_slices;
 pub mod overlays;
 mod panel;
@@ -22,6 +23,8 @@ pub use color_map::ColorMap;
 pub(crate) use color_map::{diverging, sequential};
 pub use decimate::{thinned_band, thinned_line};
 pub use figure::Stroke;
+pub(crate) use integrands::integrand_range;
+pub use integrands::{IntegrandPixels, integrand_pixels};
 pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice};
 pub use panel::Panel;
 pub(crate) use pixels::{DC, middle, peak};

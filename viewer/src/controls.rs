@@ -1,5 +1,6 @@
 //! What a person sets: the sets, their points, what is measured, how it is shown.
 
+mod integrands;
 mod looks;
 mod measure;
 mod points;
@@ -25,6 +26,8 @@ pub(crate) struct Controls {
     help: BTreeMap<Setting, String>,
     /// Text that is being typed or was refused, by set and setting.
     typed: BTreeMap<(SetId, Setting), Typed>,
+    /// The same of integrands, by set and place in its list.
+    specs: BTreeMap<(SetId, usize), Typed>,
     /// A path that is being typed.
     path: String,
 }
@@ -39,7 +42,7 @@ struct Typed {
 impl Default for Controls {
     fn default() -> Self {
         let help = SETTINGS.iter().map(|row| (row.setting, request::help(row.setting))).collect();
-        Self { help, typed: BTreeMap::new(), path: String::new() }
+        Self { help, typed: BTreeMap::new(), specs: BTreeMap::new(), path: String::new() }
     }
 }
 
@@ -55,17 +58,18 @@ impl Controls {
             let mut request = set.request.clone();
             points::show(ui, self, set, &mut request);
             ui.separator();
-            measure::show(ui, self, set, &mut request);
+            measure::show(ui, self, set, &mut request, &mut actions);
             if request != set.request {
                 actions.push(Action::Ask(set.id, Box::new(request)));
             }
         }
         let mut view = state.view.clone();
-        looks::show(ui, state.selected_set().and_then(Set::analysis), &mut view);
+        looks::show(ui, state.selected_set(), &mut view);
         if view != state.view {
             actions.push(Action::Look(Box::new(view)));
         }
         self.typed.retain(|(id, _), _| state.sets.iter().any(|set| set.id == *id));
+        self.specs.retain(|(id, _), _| state.sets.iter().any(|set| set.id == *id));
         actions
     }
 }
@@ -193,7 +197,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 22] = [
+    const WITHOUT: [Setting; 17] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -208,11 +212,6 @@ mod tests {
         Setting::EnvelopeFrom,
         Setting::Sectors,
         Setting::CovarianceFrequency,
-        Setting::Integrand,
-        Setting::Estimator,
-        Setting::Shifts,
-        Setting::Intensity,
-        Setting::By,
         Setting::IntensityColumn,
         Setting::Inhomogeneous,
         Setting::IntensityBandwidth,

@@ -73,7 +73,7 @@ const MOUSE: [(&str, &str); 9] = [
     ("double click", "in a plot: reset its zoom; on a title: fill the window, show all again"),
     ("📤 of a panel", "take away its picture, figure, numbers or command"),
     ("any setting", "point at it: what it means, its unit and its flag"),
-    ("drop files", "points as a set of their own, or a session"),
+    ("drop files", "points as a set of their own, a picture to integrate, or a session"),
 ];
 
 /// What is drawn.

@@ -8,7 +8,7 @@ use pairwave::request::{PointsRequest, Request, Statistic};
 
 use crate::engine::{SetId, Snapshot};
 use crate::messages::Messages;
-use crate::set::{MOST_SETS, Set, Wanted, of_sampler};
+use crate::set::{MOST_SETS, Set, Wanted, of_sampler, with_integrands};
 use crate::view::View;
 
 /// Realizations are not doubled beyond this.
@@ -98,6 +98,14 @@ impl State {
         let mut request = self.selected_set().map(|set| set.request.clone()).unwrap_or_default();
         request.input = PointsRequest { files, ..PointsRequest::default() };
         self.add(request);
+    }
+
+    /// Has another function integrated over the points of the selected set.
+    pub(crate) fn add_integrand(&mut self, spec: String) {
+        let Some(set) = self.sets.get_mut(self.selected) else { return };
+        self.messages.note(format!("Integrates {spec} over {}", set.name()));
+        let specs = set.request.integrand.iter().cloned().chain([spec]).collect();
+        set.request = with_integrands(&set.request, specs);
     }
 
     /// Adds the selected set once more.

@@ -54,6 +54,10 @@ pub struct View {
     pub strata: bool,
     /// Points: each linked to its nearest neighbour.
     pub links: bool,
+    /// Points: the integrand below them.
+    pub integrand_below: bool,
+    /// Which of the integrands of a set is drawn where there is room for one.
+    pub integrand: usize,
     /// Light or dark.
     pub theme: Theme,
 }
@@ -126,6 +130,8 @@ impl Default for View {
             indices: false,
             strata: false,
             links: false,
+            integrand_below: false,
+            integrand: 0,
             theme: Theme::System,
         }
     }

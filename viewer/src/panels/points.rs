@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use eframe::egui;
+use egui_plot::{PlotImage, PlotPoint};
 use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::control::Control;
-use pairwave::display::{Axis, Frame, Panel, overlays};
+use pairwave::display::{Axis, ColorMap, Frame, Panel, integrand_pixels, overlays};
 use pairwave::points::{Boundary, Ensemble};
 use pairwave::request::PointsRequest;
 
@@ -28,6 +29,9 @@ const MOST_LINKS: usize = 5_000;
 /// More indices than this are not drawn: nobody could read them.
 const MOST_INDICES: usize = 400;
 
+/// Pixels along a side of the picture of an integrand.
+const BELOW: usize = 256;
+
 /// What a drawing of points depends on: what they were asked for as, the plane, and, as a file may have changed, their ends.
 #[derive(PartialEq)]
 struct Of {
@@ -41,6 +45,14 @@ struct Of {
 #[derive(Default)]
 pub(crate) struct Cloud {
     kept: HashMap<SetId, KeptDots>,
+    below: HashMap<SetId, Below>,
+}
+
+/// The picture of an integrand.
+struct Below {
+    /// Its specification, the plane, and what is seen of it.
+    of: (String, [usize; 2], [[f64; 2]; 2]),
+    texture: egui::TextureHandle,
 }
 
 struct KeptDots {
@@ -114,6 +126,8 @@ impl Cloud {
     /// Brings up to date what is kept. The sets that have points.
     fn prepare(&mut self, scene: &Scene<'_>) -> Vec<usize> {
         self.kept.retain(|id, _| scene.sets.iter().any(|set| set.visible && set.id == *id));
+        let below = scene.view.integrand_below;
+        self.below.retain(|id, _| below && scene.sets.iter().any(|set| set.visible && set.id == *id));
         let mut drawn = Vec::new();
         for (index, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.visible) {
             let (Some(analysis), Some(points), Some(snapshot)) = (set.analysis(), set.points(), &set.snapshot) else {
@@ -141,7 +155,34 @@ impl Cloud {
         drawn
     }
 
-    fn chart(&self, ui: &mut egui::Ui, index: usize, sets: &[usize], scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
+    /// The picture of the integrand that is below the points of some sets, and what it covers.
+    fn below(
+        &mut self,
+        ctx: &egui::Context,
+        sets: &[usize],
+        scene: &Scene<'_>,
+        plane: [usize; 2],
+    ) -> Option<(egui::TextureId, [[f64; 2]; 2])> {
+        let of = sets.iter().find(|&&s| s == scene.selected).or(sets.first())?;
+        let set = &scene.sets[*of];
+        let found = set.analysis().zip(set.integrand(scene.view.integrand)).filter(|_| scene.view.integrand_below);
+        let Some((analysis, integrand)) = found else {
+            self.below.remove(&set.id);
+            return None;
+        };
+        let [low, high] = overlays::frame(&analysis.domain, plane);
+        let extent = [0, 1].map(|k| [low[k], high[k]]);
+        let of = (integrand.spec().to_string(), plane, extent);
+        if self.below.get(&set.id).is_none_or(|kept| kept.of != of) {
+            let drawn = integrand_pixels(integrand, ColorMap::Grey, plane, extent, BELOW)?;
+            let image = egui::ColorImage::from_rgb([BELOW; 2], &drawn.pixels.rgb);
+            let texture = ctx.load_texture("integrand", image, egui::TextureOptions::LINEAR);
+            self.below.insert(set.id, Below { of, texture });
+        }
+        self.below.get(&set.id).map(|kept| (kept.texture.id(), extent))
+    }
+
+    fn chart(&mut self, ui: &mut egui::Ui, index: usize, sets: &[usize], scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let Some(analysis) = sets.first().and_then(|&s| scene.sets[s].analysis()) else { return };
         let all = overlays::planes(analysis.domain.dim());
         let plane = all[scene.view.plane.min(all.len() - 1)];
@@ -173,7 +214,15 @@ impl Cloud {
             described: &described,
             fit: None,
         };
-        let shown = chart.show(ui, zoomed, |_| ());
+        let below = self.below(ui.ctx(), sets, scene, plane);
+        let tint = egui::Color32::WHITE.gamma_multiply(0.5);
+        let shown = chart.show(ui, zoomed, |plot| {
+            let Some((texture, [x, y])) = below else { return };
+            let [x, y] = [x, y].map(|ends| ends.map(|end| axis.in_unit(end)));
+            let (centre, size) = ([x[0] + x[1], y[0] + y[1]].map(|s| 0.5 * s), [x[1] - x[0], y[1] - y[0]]);
+            let image = PlotImage::new("integrand", texture, PlotPoint::from(centre), size.map(|s| s as f32));
+            plot.image(image.tint(tint).allow_hover(false));
+        });
         let (painter, dark) = (shown.painter(ui), ui.visuals().dark_mode);
         let mut nearest: Option<(f32, Place)> = None;
         // The selected one over the others.
