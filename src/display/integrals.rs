@@ -91,14 +91,11 @@ pub fn error_bars(analysis: &Analysis) -> Vec<ErrorBars> {
             Some(ErrorBar { form, value, ends: [value - reach, value + reach], brief, text })
         };
         let z = e.z.map(|z| format!("shifted is {} standard errors from what is predicted", human(z)));
-        let integral = format!(
-            "I = {}, mean of estimates {}",
-            human(e.integrand.integral()),
-            with_error(e.mean.value, e.mean.se)
-        );
+        let integral =
+            format!("I = {}, mean of estimates {}", human(e.integrand.integral()), with_error(e.mean.value, e.mean.se));
         ErrorBars {
             spec: e.integrand.spec().into(),
-            each: Form::ALL.into_iter().filter_map(bar).collect(),
+            each: Form::ALL.iter().copied().filter_map(bar).collect(),
             text: std::iter::once(integral).chain(z).collect(),
         }
     };
@@ -115,10 +112,12 @@ pub struct Decades {
 impl Decades {
     /// One that shows them all, in steps, so that it stands still while errors shrink.
     pub fn of<'a>(all: impl IntoIterator<Item = &'a ErrorBars>) -> Self {
-        let values = all.into_iter().flat_map(|bars| &bars.each).map(|bar| bar.value).filter(|v| *v > 0.0);
-        let (low, high) = values.fold((1.0f64, 1.0f64), |(low, high), v| (low.min(v), high.max(v)));
+        let all = all.into_iter().flat_map(|bars| &bars.each).filter(|bar| bar.value > 0.0);
+        // An end may be at 0 or below.
+        let ends = all.map(|bar| [bar.ends[0].max(0.25 * bar.value), bar.ends[1]]);
+        let (low, high) = ends.fold((1.0f64, 1.0f64), |(low, high), v| (low.min(v[0]), high.max(v[1])));
         let step = |x: f64| 4.0 * x.log10();
-        Self { low: (step(low) - 0.8).floor() / 4.0, high: (step(high) + 0.8).ceil() / 4.0 }
+        Self { low: (step(low) - 0.3).floor() / 4.0, high: (step(high) + 0.3).ceil() / 4.0 }
     }
 
     /// Where a value is between the ends, 0 at the lower one, never beyond.
@@ -182,7 +181,8 @@ impl Origin {
             Self::Distances => distance_sums(e),
         };
         let all: Vec<Vec<Drawn>> = found.each.iter().map(sums).collect();
-        let end = |least: f64, ends: fn(&[Drawn]) -> Option<f64>| all.iter().filter_map(|s| ends(s)).fold(least, f64::max);
+        let end =
+            |least: f64, ends: fn(&[Drawn]) -> Option<f64>| all.iter().filter_map(|s| ends(s)).fold(least, f64::max);
         let ys = || all.iter().flatten().map(|place| place[1]);
         let (axes, x, y) = match self {
             Self::Frequencies => {
@@ -224,7 +224,7 @@ impl Shares {
 }
 
 /// (|m|, the share of the predicted variance that frequencies up to it have).
-fn frequency_sums(e: &IntegrationError) -> Vec<Drawn> {
+pub(crate) fn frequency_sums(e: &IntegrationError) -> Vec<Drawn> {
     let whole = e.closed.value - e.count_term;
     if whole <= 0.0 {
         return Vec::new();
@@ -238,7 +238,7 @@ fn frequency_sums(e: &IntegrationError) -> Vec<Drawn> {
 }
 
 /// (|r|, the predicted variance of points and of pairs up to there over that of points).
-fn distance_sums(e: &IntegrationError) -> Vec<Drawn> {
+pub(crate) fn distance_sums(e: &IntegrationError) -> Vec<Drawn> {
     if e.alone <= 0.0 || e.lags.is_empty() {
         return Vec::new();
     }
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(range(0.011), range(0.012));
         for value in [1e-9, 0.3, 1.0, 50.0] {
             let range = range(value);
-            assert!([value, 1.0].iter().all(|v| (0.05..0.95).contains(&range.place(*v))), "{value}: {range:?}");
+            assert!([value, 1.0].iter().all(|v| (0.005..0.995).contains(&range.place(*v))), "{value}: {range:?}");
             assert!(range.ticks().iter().all(|(place, _)| (0.0..=1.0).contains(place)));
         }
         assert_eq!(range(0.0), range(1.0));

@@ -3,6 +3,7 @@
 mod color_map;
 mod decimate;
 pub(crate) mod figure;
+mod integrals;
 mod integrands;
 mod lag_slices;
 pub mod overlays;
@@ -23,6 +24,8 @@ pub use color_map::ColorMap;
 pub(crate) use color_map::{diverging, sequential};
 pub use decimate::{thinned_band, thinned_line};
 pub use figure::Stroke;
+pub use integrals::{Decades, ErrorBar, ErrorBars, Form, Origin, Share, Shares, error_bars};
+pub(crate) use integrals::{distance_sums, frequency_sums};
 pub(crate) use integrands::integrand_range;
 pub use integrands::{IntegrandPixels, integrand_pixels};
 pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice};

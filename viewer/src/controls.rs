@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use eframe::egui;
 use pairwave::Setting;
+use pairwave::display::Panel;
 use pairwave::request::{self, Request, SETTINGS};
 
 use crate::actions::Action;
@@ -54,16 +55,19 @@ impl Controls {
         ui.add_space(4.0);
         sets::show(ui, state, &mut actions);
         ui.separator();
+        let mut view = state.view.clone();
         if let Some(set) = state.selected_set() {
             let mut request = set.request.clone();
             points::show(ui, self, set, &mut request);
             ui.separator();
             measure::show(ui, self, set, &mut request, &mut actions);
+            if set.request.integrand.is_empty() && !request.integrand.is_empty() {
+                view.show(Panel::Integration);
+            }
             if request != set.request {
                 actions.push(Action::Ask(set.id, Box::new(request)));
             }
         }
-        let mut view = state.view.clone();
         looks::show(ui, state.selected_set(), &mut view);
         if view != state.view {
             actions.push(Action::Look(Box::new(view)));

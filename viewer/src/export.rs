@@ -189,7 +189,11 @@ fn why_not(panel: Panel, take: Take, set: &Set) -> String {
         }
         (Panel::Spectrum, Take::Npy) => "A list of frequencies is a table: take the CSV",
         (Panel::Points, Take::Npy) => "Points are a table: take the CSV",
-        (Panel::Points | Panel::Pcf | Panel::Radial | Panel::Anisotropy, Take::Png) => {
+        (Panel::Integration, _) if set.request.integrand.is_empty() => {
+            "No integrand is chosen: choose one at the left, under Integrals"
+        }
+        (Panel::Integration, Take::Npy) => "Variances are a table: take the CSV",
+        (Panel::Points | Panel::Pcf | Panel::Radial | Panel::Anisotropy | Panel::Integration, Take::Png) => {
             "Made of lines and dots: take the SVG, or the picture as shown"
         }
         (Panel::Pcf | Panel::Radial | Panel::Anisotropy, Take::Npy) => "Curves are a table: take the CSV",

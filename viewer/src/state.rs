@@ -106,6 +106,7 @@ impl State {
         self.messages.note(format!("Integrates {spec} over {}", set.name()));
         let specs = set.request.integrand.iter().cloned().chain([spec]).collect();
         set.request = with_integrands(&set.request, specs);
+        self.view.show(Panel::Integration);
     }
 
     /// Adds the selected set once more.
@@ -185,7 +186,12 @@ impl State {
         if self.view.numbers {
             stats.push(Statistic::Neighbors);
         }
-        set.request.only(&stats)
+        // Integrals are in one panel, and below the points.
+        if self.view.is_shown(Panel::Integration) || self.view.integrand_below {
+            set.request.only(&stats)
+        } else {
+            set.request.without_integrals().only(&stats)
+        }
     }
 
     /// Whether everything asked for is there.

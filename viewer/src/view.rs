@@ -56,10 +56,39 @@ pub struct View {
     pub links: bool,
     /// Points: the integrand below them.
     pub integrand_below: bool,
+    /// Integration: what is drawn.
+    pub integrals: Integrals,
     /// Which of the integrands of a set is drawn where there is room for one.
     pub integrand: usize,
     /// Light or dark.
     pub theme: Theme,
+}
+
+/// What is drawn of integrals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrals {
+    /// Predicted and observed variances.
+    #[default]
+    Errors,
+    /// Which frequencies the variance comes from.
+    Frequencies,
+    /// At which distances correlation acts.
+    Distances,
+}
+
+impl Integrals {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Errors, Self::Frequencies, Self::Distances];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Errors => "variance",
+            Self::Frequencies => "by frequency",
+            Self::Distances => "by distance",
+        }
+    }
 }
 
 /// Light or dark.
@@ -96,6 +125,13 @@ impl Theme {
 }
 
 impl View {
+    /// Has a panel among those that are shown.
+    pub(crate) fn show(&mut self, panel: Panel) {
+        if !self.panels.contains(&panel) {
+            self.panels.push(panel);
+        }
+    }
+
     /// Whether a panel is on the screen.
     pub(crate) fn is_shown(&self, panel: Panel) -> bool {
         match self.maximized {
@@ -131,6 +167,7 @@ impl Default for View {
             strata: false,
             links: false,
             integrand_below: false,
+            integrals: Integrals::default(),
             integrand: 0,
             theme: Theme::System,
         }

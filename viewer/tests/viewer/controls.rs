@@ -334,6 +334,43 @@ fn integrands_are_chosen_and_edited() {
 }
 
 #[test]
+fn variances_of_integrals_are_measured_while_they_are_shown() {
+    let mut window =
+        window("--sampler jittered -n 16 -k 3 --max-frequency 4 --lag-bins 8 --integrand disk --integrand ramp");
+    let found = |window: &Window| {
+        let shown = window.state().snapshots().next().unwrap().unwrap();
+        shown.analysis.as_ref().unwrap().integration().is_some()
+    };
+    assert!(found(&window));
+    let picture = "predicted and observed variance of jittered (n = 16, K = 3): disk:";
+    let place = window.get_by_label_contains(picture).rect();
+    // What is pointed at is said with its error, and more of it beside the pointer.
+    window.hover_at(place.center_top() + egui::vec2(0.0, 0.25 * place.height()));
+    window.run_steps(30);
+    assert!(window.query_all_by_label_contains(" ± ").next().is_some());
+    window.get_by_label_contains("predicted, spectral with its tail: ");
+    click(&mut window, "by distance");
+    window.get_by_label_contains("variance, of as many random points of jittered");
+    click(&mut window, "by frequency");
+    window.get_by_label_contains("share of the variance of jittered");
+    // Hidden, it is not measured, and its settings are no error.
+    click(&mut window, "Panels");
+    window.get_by_role_and_label(Role::CheckBox, "integration").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!found(&window) && window.state().requests().next().unwrap().integrand.len() == 2);
+    assert_eq!(window.state().snapshots().next().unwrap().unwrap().error, None);
+    window.get_by_label_contains("not computed: integration");
+    // A first integrand brings its panel back.
+    click(&mut window, "Integrals");
+    click(&mut window, "Leave out integrand 2");
+    click(&mut window, "Leave out integrand 1");
+    choose(&mut window, "add integrand", "disk");
+    settle(&mut window);
+    assert!(found(&window));
+}
+
+#[test]
 fn what_was_asked_for_is_not_replaced_by_what_would_be_right() {
     let largest = "--sampler random -n 4 --seed 18446744073709551615";
     let seed = window(largest);
