@@ -1,5 +1,6 @@
 //! What a window and a page both show, and no files: panels and what is drawn in them, units, ranges, ticks, colours and words.
 
+mod attribution;
 mod color_map;
 mod decimate;
 pub(crate) mod figure;
@@ -20,6 +21,7 @@ mod trace;
 mod units;
 mod words;
 
+pub use attribution::Attribution;
 pub use color_map::ColorMap;
 pub(crate) use color_map::{diverging, sequential};
 pub use decimate::{thinned_band, thinned_line};

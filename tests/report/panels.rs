@@ -315,6 +315,37 @@ fn dots_and_sums_of_integrals_are_the_numbers_of_the_table() {
 }
 
 #[test]
+fn the_map_of_variance_is_that_of_its_modes() {
+    let line = "--sampler jittered -n 16 -k 4 --max-frequency 6 --stats spectrum --integrand gaussian";
+    let analysis = analyze(line);
+    let error = &analysis.integration().unwrap().each[0];
+    let map = display::Attribution::new(&analysis, &error.integrand).unwrap();
+    assert!(map.suits(&analysis, &error.integrand));
+    // The mode that adds most, with its mirror image; what it adds is said in the unit of the dots.
+    let top = &error.modes[0];
+    let part = 0.5 * top.variance * 16.0 / error.v0;
+    let largest = map.largest(&analysis);
+    assert!((largest / part - 1.0).abs() < 1e-4, "{largest} {part}");
+    let at = display::spectrum_at(&analysis, [f64::from(top.m[0]), f64::from(top.m[1])]).unwrap();
+    assert!(map.text(&at).starts_with(&at.text()) && map.text(&at).contains("|f_m|² P / v₀ = "));
+    // Its pixel is the brightest, y upward, and DC is grey.
+    let grey = display::ColorMap::Grey;
+    let pixels = map.pixels(&analysis, largest, grey, 99).unwrap();
+    assert_eq!([pixels.width, pixels.height], [13, 13]);
+    let pixel = |m: [i32; 2]| &pixels.rgb[3 * ((6 - m[1]) * 13 + m[0] + 6) as usize..][..3];
+    assert_eq!((pixel([top.m[0], top.m[1]]), pixel([0, 0])), (&[255; 3][..], &[128; 3][..]));
+    let small = pixel([6, 6])[0];
+    assert!(small < pixel([1, 1])[0], "{small}");
+    let ticks = display::Attribution::ticks(largest);
+    assert!(ticks.len() >= 5 && ticks.windows(2).all(|t| t[0].0 < t[1].0), "{ticks:?}");
+    // Another grid, another integrand, and nothing that varies.
+    let other = analyze(&line.replace("frequency 6", "frequency 5"));
+    assert!(!map.suits(&other, &error.integrand) && map.pixels(&other, 1.0, grey, 99).is_none());
+    let constant = pairwave::Integrand::new("formula:3", 2).unwrap();
+    assert!(display::Attribution::new(&analysis, &constant).is_none() && !map.suits(&analysis, &constant));
+}
+
+#[test]
 fn rounding_does_not_set_the_range_of_decibels() {
     // A lattice: P is 0 at all but its peaks, in floating point about 1e-30.
     let analysis = analyze("--sampler grid -n 64 --stats radial --max-frequency 20");

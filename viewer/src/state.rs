@@ -186,8 +186,8 @@ impl State {
         if self.view.numbers {
             stats.push(Statistic::Neighbors);
         }
-        // Integrals are in one panel, and below the points.
-        if self.view.is_shown(Panel::Integration) || self.view.integrand_below {
+        // Integrals are in one panel, below the points and over P.
+        if self.view.is_shown(Panel::Integration) || self.view.integrand_below || self.view.attribution {
             set.request.only(&stats)
         } else {
             set.request.without_integrals().only(&stats)

@@ -58,6 +58,8 @@ pub struct View {
     pub integrand_below: bool,
     /// Integration: what is drawn.
     pub integrals: Integrals,
+    /// P(m): in its place what every frequency adds to the variance of an integral.
+    pub attribution: bool,
     /// Which of the integrands of a set is drawn where there is room for one.
     pub integrand: usize,
     /// Light or dark.
@@ -168,6 +170,7 @@ impl Default for View {
             links: false,
             integrand_below: false,
             integrals: Integrals::default(),
+            attribution: false,
             integrand: 0,
             theme: Theme::System,
         }

@@ -79,6 +79,9 @@ fn pictures(ui: &mut egui::Ui, view: &mut View) {
         "P(m) grey and linear from 0 to 2, frequencies up to 4 per mean spacing, anisotropy above that of an isotropic spectrum",
     );
     if !view.paper {
+        ui.checkbox(&mut view.attribution, "variance of an integral").on_hover_text(
+            "In P(m) what every frequency adds to the variance of an integral, |f_m|² P(m), on a logarithmic scale",
+        );
         tones(ui, view);
     }
     let map = |map: ColorMap| map.name().to_string();

@@ -133,6 +133,10 @@ fn integrals() {
         settle(&mut window);
         look(&mut seen, &mut window, &format!("integrals_{name}"));
     }
+    let map = View { attribution: true, ..only(Panel::Spectrum) };
+    window.state_mut().set_view(map);
+    settle(&mut window);
+    look(&mut seen, &mut window, "integrals_map");
     let below = View { integrand_below: true, integrand: 1, ..only(Panel::Points) };
     window.state_mut().set_view(below);
     settle(&mut window);

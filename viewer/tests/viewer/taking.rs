@@ -441,6 +441,7 @@ fn special() -> Value {
             "strata": true,
             "links": true,
             "integrand-below": true,
+            "attribution": true,
             "integrals": "distances",
             "integrand": 1,
             "theme": "dark"
