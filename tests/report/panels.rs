@@ -346,6 +346,31 @@ fn the_map_of_variance_is_that_of_its_modes() {
 }
 
 #[test]
+fn points_of_a_density_weigh_one_over_it() {
+    use pairwave::display::overlays;
+    let line = "--sampler jittered -n 400 -k 2 --stats radial --max-frequency 4 --integrand gaussian";
+    assert_eq!(overlays::weights(&analyze(line), &analyze(line).first), None);
+    let density = "formula:0.25+0.75*sin(pi*x)^2";
+    let known = analyze(&format!("{line} --intensity {density}"));
+    let removed = analyze(&format!("{line} --intensity {density} --by removal"));
+    let f = pairwave::Integrand::new(density, 2).unwrap();
+    for (analysis, all) in [(&known, true), (&removed, false)] {
+        let weights = overlays::weights(analysis, &analysis.first).unwrap();
+        let products: Vec<f64> = (0..400)
+            .filter(|&j| weights[j] != 0.0)
+            .map(|j| weights[j] * f.value(&analysis.first.position(0, j)))
+            .collect();
+        assert!(products.iter().all(|p| (p / products[0] - 1.0).abs() < 1e-9));
+        assert_eq!(products.len() == 400, all);
+        assert!((weights.iter().sum::<f64>() / products.len() as f64 - 1.0).abs() < 1e-12);
+    }
+    // Those that are kept are as many as were counted.
+    let one = analyze(&format!("{line} --intensity {density} --by removal").replace("-k 2", "-k 1"));
+    let kept = overlays::weights(&one, &one.first).unwrap().iter().filter(|w| **w != 0.0).count();
+    assert_eq!(one.integration().unwrap().placed.as_ref().unwrap().points.value, kept as f64);
+}
+
+#[test]
 fn rounding_does_not_set_the_range_of_decibels() {
     // A lattice: P is 0 at all but its peaks, in floating point about 1e-30.
     let analysis = analyze("--sampler grid -n 64 --stats radial --max-frequency 20");

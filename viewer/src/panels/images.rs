@@ -344,7 +344,9 @@ fn color_bar(
         let corner = rect.min + egui::vec2(0.0, 18.0);
         egui::Rect::from_min_max(corner, egui::pos2(corner.x + 10.0, rect.max.y - 22.0))
     } else {
-        let corner = rect.min + egui::vec2(28.0, 6.0);
+        // After what they are.
+        let named = painter.layout_no_wrap(name.to_string(), font.clone(), ink).size().x;
+        let corner = rect.min + egui::vec2((named + 8.0).max(28.0), 6.0);
         egui::Rect::from_min_max(corner, egui::pos2(rect.max.x - 28.0, corner.y + 10.0))
     };
     if bar.size().max_elem() < 20.0 {

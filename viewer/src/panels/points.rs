@@ -8,6 +8,7 @@ use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::control::Control;
 use pairwave::display::{Axis, ColorMap, Frame, Panel, integrand_pixels, overlays};
+use pairwave::plan::By;
 use pairwave::points::{Boundary, Ensemble};
 use pairwave::request::PointsRequest;
 
@@ -39,6 +40,8 @@ struct Of {
     plane: [usize; 2],
     realization: u64,
     ends: [Option<String>; 2],
+    /// The density that they come by, and how.
+    density: Option<(String, Option<By>)>,
 }
 
 /// What is drawn over points, kept until the points change.
@@ -61,6 +64,8 @@ struct KeptDots {
     n: usize,
     every: usize,
     places: Vec<DVec2>,
+    /// What each of these weighs in integrals, over their mean.
+    weights: Option<Vec<f64>>,
     /// Copies across the sides, of every so many.
     tiles: Vec<DVec2>,
     tiled: usize,
@@ -90,8 +95,9 @@ impl KeptDots {
         let tiles = overlays::tiles(&analysis.domain, plane, &copied).unwrap_or_default();
         let strata = overlays::strata_lines(&analysis.domain, plane, all.len()).unwrap_or_default();
         let frame = overlays::frame(&analysis.domain, plane).map(DVec2::from);
+        let weights = overlays::weights(analysis, points).map(|all| all.into_iter().step_by(every).collect());
         let (places, tiles) = (vectors(places), vectors(tiles));
-        Self { of, n: all.len(), every, places, tiles, tiled, strata: segments(strata), links: None, frame }
+        Self { weights, of, n: all.len(), every, places, tiles, tiled, strata: segments(strata), links: None, frame }
     }
 }
 
@@ -139,7 +145,9 @@ impl Cloud {
             let last = points.points_in(0).saturating_sub(1);
             let ends = [0, last].map(|k| overlays::point_text(points, k));
             let (plane, realization) = (all[scene.view.plane.min(all.len() - 1)], points.first_index());
-            let of = Of { request, plane, realization, ends };
+            let placed = analysis.integration().and_then(|found| found.placed.as_ref());
+            let density = placed.map(|placed| (placed.spec.clone(), placed.by));
+            let of = Of { density, request, plane, realization, ends };
             if self.kept.get(&set.id).is_none_or(|kept| kept.of != of) {
                 self.kept.insert(set.id, KeptDots::new(of, analysis, points));
             }
@@ -261,9 +269,19 @@ impl Cloud {
         let texts = drawn.iter().map(|&s| &scene.sets[s]).filter_map(|set| {
             let (kept, points) = (self.kept.get(&set.id)?, set.points()?);
             let text = match scene.hover.place() {
-                Some(Place::Point(id, k)) if id == set.id => overlays::point_text(points, k)?,
+                Some(Place::Point(id, k)) if id == set.id => {
+                    let text = overlays::point_text(points, k)?;
+                    match kept.weights.as_ref().and_then(|all| all.get(k / kept.every)) {
+                        Some(weight) => format!("{text}, {}", overlays::weight_text(*weight)),
+                        None => text,
+                    }
+                }
                 _ if kept.every > 1 => format!("{}, one in {} of {} points", set.name(), kept.every, kept.n),
-                _ => format!("{}, {} points", set.name(), kept.n),
+                _ => match kept.weights.as_ref().map(|all| all.iter().filter(|w| **w != 0.0).count()) {
+                    Some(left) if left < kept.n => format!("{}, {left} of {} points kept", set.name(), kept.n),
+                    Some(_) => format!("{}, {} weighted points", set.name(), kept.n),
+                    None => format!("{}, {} points", set.name(), kept.n),
+                },
             };
             let which = (kept.of.realization > 0).then(|| format!("realization {}", kept.of.realization));
             let hidden = [
@@ -347,7 +365,23 @@ impl Drawing<'_> {
         if view.tiling {
             dots(&self.kept.tiles, self.color.gamma_multiply(0.35));
         }
-        dots(&self.kept.places, self.color);
+        match &self.kept.weights {
+            None => dots(&self.kept.places, self.color),
+            // As much ink as they weigh; those that are not kept are hollow.
+            Some(weights) => {
+                for (place, weight) in self.kept.places.iter().zip(weights) {
+                    let at = self.at(*place);
+                    if !visible.contains(at) {
+                        continue;
+                    }
+                    let size = radius * (weight.abs().sqrt() as f32).clamp(0.3, 3.0);
+                    match *weight == 0.0 {
+                        true => _ = self.painter.circle_stroke(at, 0.6 * radius, egui::Stroke::new(1.0, weak)),
+                        false => _ = self.painter.circle_filled(at, size, self.color),
+                    }
+                }
+            }
+        }
         if view.indices {
             let seen = self.kept.places.iter().enumerate().map(|(k, place)| (k, self.at(*place)));
             let seen: Vec<_> = seen.filter(|(_, at)| visible.contains(*at)).collect();

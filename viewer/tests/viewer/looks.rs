@@ -142,6 +142,11 @@ fn integrals() {
     settle(&mut window);
     look(&mut seen, &mut window, "integrals_below");
 
+    let removal = format!("{RANDOM}{INTEGRANDS} --intensity formula:0.1+0.9*x --by removal");
+    let below = View { integrand_below: true, ..only(Panel::Points) };
+    let Some(mut window) = self::window(&[&removal], PANEL, below) else { return };
+    look(&mut seen, &mut window, "integrals_removal");
+
     let Some(mut window) = self::window(&both, SMALL, View { theme: Theme::Dark, ..light() }) else { return };
     look(&mut seen, &mut window, "integrals_window");
 }
