@@ -6,6 +6,7 @@ use super::pixels::{DC, Pixels, grid_pixels};
 use super::readout::ModeAt;
 use crate::estimate::Analysis;
 use crate::integrand::Integrand;
+use crate::plan::{By, Estimator};
 
 /// Colours go from the largest so many decades down.
 const DECADES: f64 = 6.0;
@@ -20,6 +21,17 @@ pub struct Attribution {
     squares: Vec<f64>,
 }
 
+/// Whether the variance is the sum of `|f_m|^2 P(m)`, of parents where points are removed.
+fn is_sum(analysis: &Analysis) -> bool {
+    let Some(found) = analysis.integration() else { return true };
+    match &found.placed {
+        None => true,
+        Some(placed) => {
+            placed.by == Some(By::Removal) && matches!(found.estimator, Estimator::Mean | Estimator::Lambda)
+        }
+    }
+}
+
 /// The largest frequencies of the grid along the axes of the picture.
 fn half_of(analysis: &Analysis) -> Option<[u32; 2]> {
     let grid = analysis.spectrum().filter(|_| analysis.grid_wanted)?.waves.grid()?;
@@ -28,9 +40,10 @@ fn half_of(analysis: &Analysis) -> Option<[u32; 2]> {
 }
 
 impl Attribution {
-    /// Of an integrand; `None` where P is on no grid in a plane, or nothing varies.
+    /// Of an integrand; `None` where P is on no grid in a plane, nothing varies, or the variance is no sum of `|f_m|^2 P(m)`: of points with
+    /// weights one over their density, and of ratios of them.
     pub fn new(analysis: &Analysis, integrand: &Integrand) -> Option<Self> {
-        let half = half_of(analysis)?;
+        let half = half_of(analysis).filter(|_| is_sum(analysis))?;
         let v0 = integrand.variance();
         if !(v0 > 0.0 && integrand.dim() == analysis.domain.dim()) {
             return None;

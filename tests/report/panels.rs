@@ -338,6 +338,12 @@ fn the_map_of_variance_is_that_of_its_modes() {
     assert!(small < pixel([1, 1])[0], "{small}");
     let ticks = display::Attribution::ticks(largest);
     assert!(ticks.len() >= 5 && ticks.windows(2).all(|t| t[0].0 < t[1].0), "{ticks:?}");
+    // Weights make another sum of it, removal does not.
+    let dense = |by: &str| {
+        let analysis = analyze(&format!("{line} --intensity formula:1+x {by}"));
+        display::Attribution::new(&analysis, &error.integrand).is_some()
+    };
+    assert!(!dense("") && dense("--by removal"));
     // Another grid, another integrand, and nothing that varies.
     let other = analyze(&line.replace("frequency 6", "frequency 5"));
     assert!(!map.suits(&other, &error.integrand) && map.pixels(&other, 1.0, grey, 99).is_none());

@@ -480,12 +480,16 @@ fn a_session_comes_back_as_it_was() {
 fn relative_paths_of_a_session_start_where_it_was_saved() {
     let mut text = special();
     text["folder"] = json!("/elsewhere");
+    let integrands = ["--integrand", "image:file=a b.png", "--integrand", "disk", "--integrand", "table:file=/own.csv"];
+    text["sets"][0]["arguments"].as_array_mut().unwrap().extend(integrands.map(|word| json!(word)));
     let (mut viewer, _) = viewer(request("--sampler jittered -n 16"));
     viewer.open_session(&text.to_string()).unwrap();
     let found: Value = serde_json::from_str(&viewer.session()).unwrap();
     let arguments = found["sets"][2]["arguments"].as_array().unwrap();
     assert_eq!(arguments[2..], [json!("/elsewhere/a b.csv"), json!("/elsewhere/é.npy")]);
     assert_eq!(found["sets"][1], text["sets"][1]);
+    let specs = &viewer.requests().next().unwrap().integrand;
+    assert_eq!(*specs, ["image:file=/elsewhere/a b.png", "disk", "table:file=/own.csv"]);
 }
 
 #[test]
