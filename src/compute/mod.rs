@@ -11,7 +11,7 @@ mod device;
 pub mod gpu;
 pub mod neighbors;
 pub mod reference;
-mod shifts;
+pub(crate) mod shifts;
 
 #[doc(hidden)]
 pub use binned_kernel::kernel_sums as binned_kernel_sums;

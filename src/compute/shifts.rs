@@ -47,6 +47,24 @@ pub(super) fn random_shift(index: u64) -> [f64; 3] {
     })
 }
 
+/// What the points of the first realization weigh that are kept by a density of this largest value, over what the parents weigh; 0 of
+/// those that are not kept.
+pub(crate) fn kept(ensemble: &Ensemble, density: &Integrand, maximum: f64) -> Vec<f64> {
+    let places = places(ensemble, 0);
+    let mut q = vec![0.0; places.len()];
+    density.values(&places, &mut q);
+    let keeps = |j: usize, q: f64| lot(ensemble.first_index(), 0, j, &places[j]) < q;
+    q.iter().map(|q| q / maximum).enumerate().map(|(j, q)| if keeps(j, q) { 1.0 / q } else { 0.0 }).collect()
+}
+
+/// What they weigh where they are as dense as this.
+pub(crate) fn over_density(ensemble: &Ensemble, density: &Integrand) -> Vec<f64> {
+    let places = places(ensemble, 0);
+    let mut values = vec![0.0; places.len()];
+    density.values(&places, &mut values);
+    values.into_iter().map(|value| if value > 0.0 { 1.0 / value } else { 0.0 }).collect()
+}
+
 /// Number in [0, 1) by which a point is kept or removed: SplitMix64 of the realization, the shift, the point and where it lies, so that
 /// points of another seed are not kept by the same numbers.
 pub(super) fn lot(index: u64, shift: u64, point: usize, x: &[f64; 3]) -> f64 {

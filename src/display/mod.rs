@@ -1,8 +1,11 @@
 //! What a window and a page both show, and no files: panels and what is drawn in them, units, ranges, ticks, colours and words.
 
+mod attribution;
 mod color_map;
 mod decimate;
 pub(crate) mod figure;
+mod integrals;
+mod integrands;
 mod lag_slices;
 pub mod overlays;
 mod panel;
@@ -18,10 +21,15 @@ mod trace;
 mod units;
 mod words;
 
+pub use attribution::Attribution;
 pub use color_map::ColorMap;
 pub(crate) use color_map::{diverging, sequential};
 pub use decimate::{thinned_band, thinned_line};
 pub use figure::Stroke;
+pub use integrals::{Decades, ErrorBar, ErrorBars, Form, Origin, Share, Shares, error_bars};
+pub(crate) use integrals::{distance_sums, frequency_sums};
+pub(crate) use integrands::integrand_range;
+pub use integrands::{IntegrandPixels, integrand_pixels};
 pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice};
 pub use panel::Panel;
 pub(crate) use pixels::{DC, middle, peak};

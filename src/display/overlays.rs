@@ -3,8 +3,12 @@
 
 use super::human;
 use crate::compute::neighbors::nearest_neighbors;
+use crate::compute::shifts;
 use crate::control::Control;
 use crate::error::Result;
+use crate::estimate::Analysis;
+use crate::integrand::Integrand;
+use crate::plan::By;
 use crate::points::{Domain, Ensemble};
 
 /// A point or corner: to the right, upward.
@@ -42,6 +46,28 @@ pub fn point_text(points: &Ensemble, index: usize) -> Option<String> {
         let x: Vec<String> = points.position(0, index).into_iter().map(human).collect();
         format!("point {index}: ({})", x.join(", "))
     })
+}
+
+/// What each point of the first realization weighs in integrals, over the mean of those that count; 0 of those that are not kept. `None`
+/// where all weigh the same.
+pub fn weights(analysis: &Analysis, points: &Ensemble) -> Option<Vec<f64>> {
+    let placed = analysis.integration()?.placed.as_ref();
+    let density = placed.and_then(|placed| Integrand::new(&placed.spec, points.domain().dim()).ok());
+    let weights = match (count(points), placed.map(|placed| placed.by), density) {
+        (0, ..) => return None,
+        (_, Some(Some(By::Removal)), Some(density)) => shifts::kept(points, &density, density.maximum().0),
+        (_, Some(None), Some(density)) => shifts::over_density(points, &density),
+        (_, None, _) => points.weights(0)?.to_vec(),
+        _ => return None,
+    };
+    let counted: Vec<f64> = weights.iter().copied().filter(|w| *w != 0.0).collect();
+    let mean = counted.iter().sum::<f64>() / counted.len() as f64;
+    (mean > 0.0).then(|| weights.iter().map(|w| w / mean).collect())
+}
+
+/// A weight of these in words.
+pub fn weight_text(weight: f64) -> String {
+    if weight == 0.0 { "not kept".into() } else { format!("weight {} of the mean", human(weight)) }
 }
 
 /// From every point of the first realization to the nearest other one, on a torus to its nearest image, which may lie outside

@@ -19,11 +19,14 @@ pub enum Panel {
     Spectrum,
     /// g of the vector.
     Vector,
+    /// Errors of integrals.
+    Integration,
 }
 
 impl Panel {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Points, Self::Pcf, Self::Radial, Self::Anisotropy, Self::Spectrum, Self::Vector];
+    pub const ALL: [Self; 7] =
+        [Self::Points, Self::Pcf, Self::Radial, Self::Anisotropy, Self::Spectrum, Self::Vector, Self::Integration];
 
     /// Its title.
     pub fn name(self) -> &'static str {
@@ -34,6 +37,7 @@ impl Panel {
             Self::Anisotropy => "anisotropy",
             Self::Spectrum => "P(m)",
             Self::Vector => "g(h)",
+            Self::Integration => "integration",
         }
     }
 
@@ -46,6 +50,7 @@ impl Panel {
             Self::Anisotropy => "anisotropy",
             Self::Spectrum => "spectrum",
             Self::Vector => "pcf_vector",
+            Self::Integration => "variance",
         }
     }
 
@@ -73,13 +78,17 @@ impl Panel {
                 "Pair correlation function of the vector h between two points, g(h) = |D|² Σ c / (V Σ n(n-1)), in length units of \
                  the domain. Dimensionless; the middle of the colours is g = 1."
             }
+            Self::Integration => {
+                "Variance of the estimate of each integral over v₀/n, that of n random points, v₀ = ∫f² - I²: predicted from P and from \
+                 pairs, observed over random shifts and as points are, with two standard errors."
+            }
         }
     }
 
-    /// What a request must ask for so that there is something to draw.
+    /// What a request must ask for so that there is something to draw; integration needs no statistic, but an integrand.
     pub fn statistics(self) -> &'static [Statistic] {
         match self {
-            Self::Points => &[],
+            Self::Points | Self::Integration => &[],
             Self::Pcf => &[Statistic::Pcf],
             Self::Radial | Self::Anisotropy => &[Statistic::Radial],
             Self::Spectrum => &[Statistic::Spectrum],
@@ -95,6 +104,7 @@ impl Panel {
         self.has(analysis)
             || match self {
                 Self::Points | Self::Pcf => true,
+                Self::Integration => false,
                 Self::Radial => !gridless,
                 Self::Anisotropy | Self::Spectrum => plane && !gridless,
                 Self::Vector => plane,
@@ -112,6 +122,7 @@ impl Panel {
             Self::Anisotropy => rings() && plane,
             Self::Spectrum => analysis.grid_of_power().is_some() && plane,
             Self::Vector => analysis.vector().is_some() && plane,
+            Self::Integration => analysis.integration().is_some(),
         }
     }
 }

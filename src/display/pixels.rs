@@ -1,5 +1,7 @@
 //! Pictures for a screen, not encoded: one pixel per mode of P, or per cell of lags of g.
 
+use std::ops::Range;
+
 use super::color_map::ColorMap;
 use super::lag_slices::{lag_color_range, lag_planes, lag_slice};
 use super::ticks;
@@ -60,23 +62,10 @@ pub fn spectrum_pixels(
     reach: Option<f64>,
     most: usize,
 ) -> Option<Pixels> {
-    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
-    let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
-    let mut half = middle(grid);
-    for (half, side) in half.iter_mut().zip(analysis.domain.sides()) {
-        // A cast of what is too large saturates.
-        *half = reach.map_or(*half, |reach| (*half).min((reach * side).floor() as i32).max(1));
-    }
+    let spectrum = analysis.spectrum()?;
+    let grid = spectrum.waves.grid()?;
     let n = analysis.shape.mean_points;
-    let cells = half.map(|h| 2 * h as usize + 1);
-    let (block, [width, height]) = blocks(cells, most);
-    // The modes of a pixel along an axis.
-    let modes = |axis: usize, k: usize| {
-        let first = (k * block) as i32 - half[axis];
-        first..(first + block as i32).min(half[axis] + 1)
-    };
-    let color = |x: usize, y: usize| {
-        let (columns, rows) = (modes(0, x), modes(1, y));
+    grid_pixels(analysis, reach, most, |columns, rows| {
         if columns.contains(&0) && rows.contains(&0) {
             return DC;
         }
@@ -89,7 +78,31 @@ pub fn spectrum_pixels(
         }
         let seen = if highest > peak(n) { highest } else { sum / (rows.len() * columns.len()) as f64 };
         colors.color(tone_map.tone(seen, white.unwrap_or(n)))
+    })
+}
+
+/// A picture of the grid of P whose pixels have the `color` of the modes that they cover: m_x, m_y.
+pub(super) fn grid_pixels(
+    analysis: &Analysis,
+    reach: Option<f64>,
+    most: usize,
+    color: impl Fn(Range<i32>, Range<i32>) -> [u8; 3],
+) -> Option<Pixels> {
+    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
+    let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
+    let mut half = middle(grid);
+    for (half, side) in half.iter_mut().zip(analysis.domain.sides()) {
+        // A cast of what is too large saturates.
+        *half = reach.map_or(*half, |reach| (*half).min((reach * side).floor() as i32).max(1));
+    }
+    let cells = half.map(|h| 2 * h as usize + 1);
+    let (block, [width, height]) = blocks(cells, most);
+    // The modes of a pixel along an axis.
+    let modes = |axis: usize, k: usize| {
+        let first = (k * block) as i32 - half[axis];
+        first..(first + block as i32).min(half[axis] + 1)
     };
+    let color = |x: usize, y: usize| color(modes(0, x), modes(1, y));
     let ends = |axis: usize, pixels: usize| {
         let low = -f64::from(half[axis]) - 0.5;
         [low, low + (pixels * block) as f64].map(|m| m / analysis.domain.sides()[axis])

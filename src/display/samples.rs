@@ -81,7 +81,7 @@ impl Panel {
                 });
                 Some(Samples { all: samples.collect(), reference, range: anisotropy_range(radial) })
             }
-            Self::Anisotropy | Self::Points | Self::Spectrum | Self::Vector => None,
+            Self::Anisotropy | Self::Points | Self::Spectrum | Self::Vector | Self::Integration => None,
         }
     }
 }

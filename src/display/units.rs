@@ -179,6 +179,8 @@ enum Quantity {
     /// Of another program's rings, with its unit.
     ForeignFrequency(&'static str, Option<UnitName>),
     Dimensionless(&'static str),
+    /// A symbol, and what it is.
+    Named(&'static str, &'static str),
     Decibels(&'static str),
 }
 
@@ -235,6 +237,11 @@ impl Axis {
     pub fn wave(analysis: &Analysis, unit: FrequencyUnit, axis: usize) -> Self {
         let name = ["ν_x", "ν_y", "ν_z"].get(axis).copied();
         Self { component: name, ..Self::frequency(analysis, unit, AxisScale::Linear) }
+    }
+
+    /// Under a name of its own.
+    pub(crate) fn named(symbol: &'static str, label: &'static str, scale: AxisScale) -> Self {
+        Self { quantity: Quantity::Named(symbol, label), component: None, unit: 1.0, zero: 0.0, scale }
     }
 
     /// Values of g.
@@ -320,7 +327,7 @@ impl Axis {
                 let root = ["", "√", "∛"][(dim - 1).min(2)];
                 format!("{} / {root}{}", named("ν"), if of_unit_measure { "n" } else { "λ" })
             }
-            Quantity::Dimensionless(name) | Quantity::Decibels(name) => name.into(),
+            Quantity::Dimensionless(name) | Quantity::Named(name, _) | Quantity::Decibels(name) => name.into(),
         }
     }
 
@@ -340,6 +347,7 @@ impl Axis {
             }
             (_, Quantity::Frequency { .. }) => format!("{frequency}{symbol} (cycles per mean spacing)"),
             (_, Quantity::Dimensionless(_)) => format!("{symbol} (dimensionless)"),
+            (_, Quantity::Named(_, label)) => label.into(),
         }
     }
 

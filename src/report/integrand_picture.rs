@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::picture_figure::{Inset, svg as framed};
 use super::{plot, png, svg};
 use crate::display::figure::{BLUE, Figure, Layer, Stroke};
-use crate::display::{ColorMap, escape, ticks};
+use crate::display::{ColorMap, escape, integrand_pixels, integrand_range, ticks};
 use crate::error::{Error, Result};
 use crate::integrand::Integrand;
 use crate::statistics::Svg;
@@ -35,16 +35,10 @@ fn note(integrand: &Integrand) -> String {
     format!("I = {:.6}, int f² = {:.6}", integrand.integral(), integrand.square_integral())
 }
 
-/// The values' range; something about a constant.
-fn range(values: &[f64]) -> [f64; 2] {
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    if low < high { [low, high] } else { [low - 0.5, low + 0.5] }
-}
-
 fn curve(integrand: &Integrand) -> Svg {
     let at = |i: usize| (i as f64 + 0.5) / STEPS as f64;
     let points: Vec<(f64, f64)> = (0..STEPS).map(|i| (at(i), integrand.value(&[at(i)]))).collect();
-    let [low, high] = range(&points.iter().map(|p| p.1).collect::<Vec<_>>());
+    let [low, high] = integrand_range(&points.iter().map(|p| p.1).collect::<Vec<_>>());
     let room = 0.05 * (high - low);
     let line = Layer::Line { name: String::new(), color: BLUE, width: 2.0, stroke: Stroke::Solid, runs: vec![points] };
     svg::svg(&Figure {
@@ -63,16 +57,12 @@ fn curve(integrand: &Integrand) -> Svg {
 }
 
 fn slice(integrand: &Integrand) -> Svg {
-    let at = |i: usize| (i as f64 + 0.5) / SIDE as f64;
-    // From the top row down.
-    let places = (0..SIDE).rev().flat_map(|j| (0..SIDE).map(move |i| [at(i), at(j), 0.5]));
-    let values: Vec<f64> = places.map(|x| integrand.value(&x[..integrand.dim()])).collect();
-    let [low, high] = range(&values);
+    let (colors, extent) = (ColorMap::Viridis, [[0.0, 1.0]; 2]);
+    let picture = integrand_pixels(integrand, colors, [0, 1], extent, SIDE).ok_or("a line has no picture")?;
+    let [low, high] = picture.range;
     let part = |v: f64| (v - low) / (high - low);
-    let colors = ColorMap::Viridis;
-    let rgb: Vec<u8> = values.iter().flat_map(|v| colors.color(part(*v))).collect();
-    let png = png::encode(&rgb, [SIDE as u32; 2], "f(x)", "one pixel per cell, y up")?;
-    let inset = Inset { png, extent: [[0.0, 1.0]; 2], labels: ["x / L_x".into(), "y / L_y".into()] };
+    let png = png::encode(&picture.pixels.rgb, [SIDE as u32; 2], "f(x)", "one pixel per cell, y up")?;
+    let inset = Inset { png, extent, labels: ["x / L_x".into(), "y / L_y".into()] };
     let bar: Vec<(f64, String)> = ticks(&(low..high), 6).into_iter().map(|(v, text)| (part(v), text)).collect();
     let title = if integrand.dim() == 3 { "Integrand f(x, y, 1/2)" } else { "Integrand f(x, y)" };
     let caption = "Values at the centres of 256 x 256 cells.";

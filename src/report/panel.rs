@@ -29,6 +29,7 @@ pub fn offers(panel: Panel, analysis: &Analysis) -> Offers {
         Panel::Radial | Panel::Anisotropy => analysis.radial().is_some(),
         Panel::Spectrum => analysis.listed_power().is_some(),
         Panel::Vector => false,
+        Panel::Integration => analysis.integration().is_some(),
     };
     let svg = panel.has(analysis);
     let png = svg && matches!(panel, Panel::Spectrum | Panel::Vector);
@@ -78,6 +79,7 @@ pub fn csv(panel: Panel, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
         Panel::Radial | Panel::Anisotropy => "spectrum_radial.csv",
         Panel::Spectrum => "spectrum_list.csv",
         Panel::Points => return points_csv(&analysis.first),
+        Panel::Integration => "variance.csv",
         Panel::Vector => return Ok(None),
     };
     outputs::bytes(name, analysis)

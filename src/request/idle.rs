@@ -1,6 +1,6 @@
 //! Settings that say nothing about what is asked for: refused when typed, left out when a viewer hides a panel.
 
-use super::settings::{INHOMOGENEOUS, Row, SETTINGS, changed_by};
+use super::settings::{Group, INHOMOGENEOUS, Row, SETTINGS, changed_by};
 use super::{ESTIMATE, PointsRequest, Request, Statistic};
 use crate::error::{Error, Result};
 use crate::setting::Setting;
@@ -120,6 +120,15 @@ impl Request {
         }
         only
     }
+
+    /// The same request without its integrands, and without what says how they are integrated.
+    pub fn without_integrals(&self) -> Self {
+        let mut without = self.clone();
+        for row in SETTINGS.iter().filter(|row| row.group == Group::Integration) {
+            (row.get_mut)(&mut without).unset();
+        }
+        without
+    }
 }
 
 #[cfg(test)]
@@ -168,6 +177,12 @@ mod tests {
         }
         let all = SETTINGS.iter().filter(|row| may_be_idle(row)).map(|row| row.setting);
         assert_eq!(seen, all.collect(), "every setting that may be idle is in a line");
+    }
+
+    #[test]
+    fn nothing_is_left_of_integrals() {
+        let whole = request("--integrand disk --estimator ratio --shifts 3 --intensity ramp --by removal --bins 9 x");
+        assert_eq!(whole.without_integrals(), request("--bins 9 x"));
     }
 
     #[test]

@@ -67,8 +67,8 @@ fn difference(files: &Files, dir: &Path) -> Option<String> {
 fn panels_hand_out_the_files_of_the_report() {
     for (scene, expected) in [
         (
-            format!("--sampler jittered -n 64 -k 3 {STATS}"),
-            "pcf.csv pcf.svg spectrum_radial.csv spectrum_radial.svg anisotropy.svg points.svg spectrum.npy spectrum.png pcf_vector.npy pcf_vector.png",
+            format!("--sampler jittered -n 64 -k 3 {STATS} --integrand disk"),
+            "variance.csv variance.svg pcf.csv pcf.svg spectrum_radial.csv spectrum_radial.svg anisotropy.svg points.svg spectrum.npy spectrum.png pcf_vector.npy pcf_vector.png",
         ),
         (
             format!("--sampler random --dim 3 -n 40 {STATS} --max-frequency 3 --lag-bins 6"),
@@ -115,7 +115,7 @@ fn panels_know_what_they_hand_out() {
     let mut found = Vec::new();
     for arguments in [
         &format!("--sampler random -n 20 -k 2 --dim 1 {STATS} --max-frequency 8"),
-        &format!("--sampler random -n 20 -k 2 {STATS} --max-frequency 8"),
+        &format!("--sampler random -n 20 -k 2 {STATS} --max-frequency 8 --integrand disk"),
         &format!("--sampler random -n 20 -k 2 --dim 3 {STATS} --max-frequency 3"),
         "--sampler random -n 20 -k 2 --stats radial --max-frequency 8",
         "--sampler random -n 20 -k 2 --stats neighbors",
@@ -272,6 +272,111 @@ fn curves_are_the_numbers_of_the_tables() {
 }
 
 #[test]
+fn dots_and_sums_of_integrals_are_the_numbers_of_the_table() {
+    let integrands = "--integrand disk --integrand gaussian";
+    let analysis = analyze(&format!("--sampler jittered -n 64 -k 5 --max-frequency 12 --stats radial {integrands}"));
+    let found = analysis.integration().unwrap();
+    let all = display::error_bars(&analysis);
+    assert_eq!(all.len(), 2);
+    for (bars, e) in all.iter().zip(&found.each) {
+        let [spectral, spatial, shifted, as_is] = bars.each.as_slice() else { panic!("{bars:?}") };
+        let relative = |measured: pairwave::estimate::Measured| {
+            let [value, se] = [measured.value, measured.se.unwrap()].map(|x| x * 64.0 / e.v0);
+            [value, value - 2.0 * se, value + 2.0 * se]
+        };
+        for (bar, measured) in
+            [(spectral, e.closed), (spatial, e.spatial.unwrap()), (shifted, e.shifted), (as_is, e.observed.unwrap())]
+        {
+            let [low, high] = bar.ends;
+            let near = |(a, b): (f64, f64)| (a - b).abs() <= 1e-12 * b.abs();
+            assert!([bar.value, low, high].into_iter().zip(relative(measured)).all(near), "{bar:?} {measured:?}");
+        }
+        assert!(spectral.form.is_predicted() && spatial.form.is_predicted() && !shifted.form.is_predicted());
+    }
+    let frequencies = display::Origin::Frequencies.shares(&analysis).unwrap();
+    for (share, e) in frequencies.each.iter().zip(&found.each) {
+        assert_eq!(share.spec, e.integrand.spec());
+        let all: f64 = e.rings.iter().map(|ring| ring.variance).sum();
+        let last = share.line.last().unwrap();
+        assert!((last[1] - all / e.closed.value).abs() < 1e-12 && last[0] == e.rings.last().unwrap().m.log10());
+        assert!(share.line.windows(2).all(|p| p[0][0] < p[1][0] && p[0][1] <= p[1][1]));
+    }
+    let distances = display::Origin::Distances.shares(&analysis).unwrap();
+    for (k, e) in found.each.iter().enumerate() {
+        // All pairs: what is predicted in space, but for what a grid of lags does not resolve.
+        let (place, text) = distances.at(k, 10.0).unwrap();
+        assert!((place[1] / (e.spatial.unwrap().value / e.alone) - 1.0).abs() < 0.05, "{place:?}: {text}");
+        assert_eq!(distances.at(k, 0.0).unwrap().0, [0.0, 1.0]);
+        assert_eq!(distances.at(k, -0.1), None);
+    }
+    // Without integrands there is nothing.
+    let none = analyze("--sampler random -n 9 --stats radial");
+    assert!(display::error_bars(&none).is_empty() && display::Origin::Distances.shares(&none).is_none());
+}
+
+#[test]
+fn the_map_of_variance_is_that_of_its_modes() {
+    let line = "--sampler jittered -n 16 -k 4 --max-frequency 6 --stats spectrum --integrand gaussian";
+    let analysis = analyze(line);
+    let error = &analysis.integration().unwrap().each[0];
+    let map = display::Attribution::new(&analysis, &error.integrand).unwrap();
+    assert!(map.suits(&analysis, &error.integrand));
+    // The mode that adds most, with its mirror image; what it adds is said in the unit of the dots.
+    let top = &error.modes[0];
+    let part = 0.5 * top.variance * 16.0 / error.v0;
+    let largest = map.largest(&analysis);
+    assert!((largest / part - 1.0).abs() < 1e-4, "{largest} {part}");
+    let at = display::spectrum_at(&analysis, [f64::from(top.m[0]), f64::from(top.m[1])]).unwrap();
+    assert!(map.text(&at).starts_with(&at.text()) && map.text(&at).contains("|f_m|² P / v₀ = "));
+    // Its pixel is the brightest, y upward, and DC is grey.
+    let grey = display::ColorMap::Grey;
+    let pixels = map.pixels(&analysis, largest, grey, 99).unwrap();
+    assert_eq!([pixels.width, pixels.height], [13, 13]);
+    let pixel = |m: [i32; 2]| &pixels.rgb[3 * ((6 - m[1]) * 13 + m[0] + 6) as usize..][..3];
+    assert_eq!((pixel([top.m[0], top.m[1]]), pixel([0, 0])), (&[255; 3][..], &[128; 3][..]));
+    let small = pixel([6, 6])[0];
+    assert!(small < pixel([1, 1])[0], "{small}");
+    let ticks = display::Attribution::ticks(largest);
+    assert!(ticks.len() >= 5 && ticks.windows(2).all(|t| t[0].0 < t[1].0), "{ticks:?}");
+    // Weights make another sum of it, removal does not.
+    let dense = |by: &str| {
+        let analysis = analyze(&format!("{line} --intensity formula:1+x {by}"));
+        display::Attribution::new(&analysis, &error.integrand).is_some()
+    };
+    assert!(!dense("") && dense("--by removal"));
+    // Another grid, another integrand, and nothing that varies.
+    let other = analyze(&line.replace("frequency 6", "frequency 5"));
+    assert!(!map.suits(&other, &error.integrand) && map.pixels(&other, 1.0, grey, 99).is_none());
+    let constant = pairwave::Integrand::new("formula:3", 2).unwrap();
+    assert!(display::Attribution::new(&analysis, &constant).is_none() && !map.suits(&analysis, &constant));
+}
+
+#[test]
+fn points_of_a_density_weigh_one_over_it() {
+    use pairwave::display::overlays;
+    let line = "--sampler jittered -n 400 -k 2 --stats radial --max-frequency 4 --integrand gaussian";
+    assert_eq!(overlays::weights(&analyze(line), &analyze(line).first), None);
+    let density = "formula:0.25+0.75*sin(pi*x)^2";
+    let known = analyze(&format!("{line} --intensity {density}"));
+    let removed = analyze(&format!("{line} --intensity {density} --by removal"));
+    let f = pairwave::Integrand::new(density, 2).unwrap();
+    for (analysis, all) in [(&known, true), (&removed, false)] {
+        let weights = overlays::weights(analysis, &analysis.first).unwrap();
+        let products: Vec<f64> = (0..400)
+            .filter(|&j| weights[j] != 0.0)
+            .map(|j| weights[j] * f.value(&analysis.first.position(0, j)))
+            .collect();
+        assert!(products.iter().all(|p| (p / products[0] - 1.0).abs() < 1e-9));
+        assert_eq!(products.len() == 400, all);
+        assert!((weights.iter().sum::<f64>() / products.len() as f64 - 1.0).abs() < 1e-12);
+    }
+    // Those that are kept are as many as were counted.
+    let one = analyze(&format!("{line} --intensity {density} --by removal").replace("-k 2", "-k 1"));
+    let kept = overlays::weights(&one, &one.first).unwrap().iter().filter(|w| **w != 0.0).count();
+    assert_eq!(one.integration().unwrap().placed.as_ref().unwrap().points.value, kept as f64);
+}
+
+#[test]
 fn rounding_does_not_set_the_range_of_decibels() {
     // A lattice: P is 0 at all but its peaks, in floating point about 1e-30.
     let analysis = analyze("--sampler grid -n 64 --stats radial --max-frequency 20");
@@ -292,11 +397,13 @@ fn panels_say_what_they_need_and_mean() {
         // With what it asks for, and nothing else, it has something to show.
         let stats: Vec<_> = panel.statistics().iter().map(|s| s.name()).collect();
         let stats = if stats.is_empty() { "neighbors".into() } else { stats.join(",") };
-        let analysis = analyze(&format!("--sampler jittered -n 16 --stats {stats}"));
+        let integrand = if panel == Panel::Integration { "--integrand disk" } else { "" };
+        let analysis = analyze(&format!("--sampler jittered -n 16 --stats {stats} {integrand}"));
         assert!(panel::svg(panel, &analysis).unwrap().is_some(), "{panel:?} with {stats}");
         for other in Panel::ALL.into_iter().filter(|p| *p != Panel::Points) {
             let covered = other.statistics().iter().all(|s| panel.statistics().contains(s));
             // P on the grid brings its rings.
+            let covered = covered && (other != Panel::Integration || panel == other);
             let covered = covered || panel == Panel::Spectrum && other.statistics() == Panel::Radial.statistics();
             assert_eq!(panel::svg(other, &analysis).unwrap().is_some(), covered, "{other:?} with {stats}");
         }

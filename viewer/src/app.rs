@@ -360,6 +360,7 @@ impl Viewer {
     fn answer(&mut self, answer: Answer) {
         match answer {
             Answer::Points(files) => self.state.add_files(files),
+            Answer::Integrand(spec) => self.state.add_integrand(spec),
             Answer::Session { path, text } => match self.open_session(&text) {
                 Ok(()) => self.state.messages.note(format!("Opened {}", path.display())),
                 Err(error) => self.state.messages.fail(format!("{}: {error}", path.display())),

@@ -1,5 +1,6 @@
 //! What a person sets: the sets, their points, what is measured, how it is shown.
 
+mod integrands;
 mod looks;
 mod measure;
 mod points;
@@ -9,6 +10,7 @@ use std::collections::BTreeMap;
 
 use eframe::egui;
 use pairwave::Setting;
+use pairwave::display::Panel;
 use pairwave::request::{self, Request, SETTINGS};
 
 use crate::actions::Action;
@@ -25,6 +27,8 @@ pub(crate) struct Controls {
     help: BTreeMap<Setting, String>,
     /// Text that is being typed or was refused, by set and setting.
     typed: BTreeMap<(SetId, Setting), Typed>,
+    /// The same of integrands, by set and place in its list.
+    specs: BTreeMap<(SetId, usize), Typed>,
     /// A path that is being typed.
     path: String,
 }
@@ -39,7 +43,7 @@ struct Typed {
 impl Default for Controls {
     fn default() -> Self {
         let help = SETTINGS.iter().map(|row| (row.setting, request::help(row.setting))).collect();
-        Self { help, typed: BTreeMap::new(), path: String::new() }
+        Self { help, typed: BTreeMap::new(), specs: BTreeMap::new(), path: String::new() }
     }
 }
 
@@ -51,21 +55,25 @@ impl Controls {
         ui.add_space(4.0);
         sets::show(ui, state, &mut actions);
         ui.separator();
+        let mut view = state.view.clone();
         if let Some(set) = state.selected_set() {
             let mut request = set.request.clone();
             points::show(ui, self, set, &mut request);
             ui.separator();
-            measure::show(ui, self, set, &mut request);
+            measure::show(ui, self, set, &mut request, &mut actions);
+            if set.request.integrand.is_empty() && !request.integrand.is_empty() {
+                view.show(Panel::Integration);
+            }
             if request != set.request {
                 actions.push(Action::Ask(set.id, Box::new(request)));
             }
         }
-        let mut view = state.view.clone();
-        looks::show(ui, state.selected_set().and_then(Set::analysis), &mut view);
+        looks::show(ui, state.selected_set(), &mut view);
         if view != state.view {
             actions.push(Action::Look(Box::new(view)));
         }
         self.typed.retain(|(id, _), _| state.sets.iter().any(|set| set.id == *id));
+        self.specs.retain(|(id, _), _| state.sets.iter().any(|set| set.id == *id));
         actions
     }
 }
@@ -193,7 +201,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 24] = [
+    const WITHOUT: [Setting; 19] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -208,13 +216,8 @@ mod tests {
         Setting::EnvelopeFrom,
         Setting::Sectors,
         Setting::CovarianceFrequency,
-        Setting::Integrand,
-        Setting::Estimator,
-        Setting::Shifts,
         Setting::Spatial,
         Setting::Top,
-        Setting::Intensity,
-        Setting::By,
         Setting::IntensityColumn,
         Setting::Inhomogeneous,
         Setting::IntensityBandwidth,

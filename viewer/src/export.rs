@@ -1,5 +1,6 @@
 //! What is taken away: a panel as a picture, a figure or numbers, and the equivalent command to the clipboard.
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::egui;
@@ -189,7 +190,11 @@ fn why_not(panel: Panel, take: Take, set: &Set) -> String {
         }
         (Panel::Spectrum, Take::Npy) => "A list of frequencies is a table: take the CSV",
         (Panel::Points, Take::Npy) => "Points are a table: take the CSV",
-        (Panel::Points | Panel::Pcf | Panel::Radial | Panel::Anisotropy, Take::Png) => {
+        (Panel::Integration, _) if set.request.integrand.is_empty() => {
+            "No integrand is chosen: choose one at the left, under Integrals"
+        }
+        (Panel::Integration, Take::Npy) => "Variances are a table: take the CSV",
+        (Panel::Points | Panel::Pcf | Panel::Radial | Panel::Anisotropy | Panel::Integration, Take::Png) => {
             "Made of lines and dots: take the SVG, or the picture as shown"
         }
         (Panel::Pcf | Panel::Radial | Panel::Anisotropy, Take::Npy) => "Curves are a table: take the CSV",
@@ -255,7 +260,7 @@ pub(crate) fn name(panel: Panel, take: Take, set: &Set, count: usize) -> String 
         return file;
     }
     let name = set.name();
-    let stem = std::path::Path::new(&name).file_stem().map_or(name.clone(), |s| s.to_string_lossy().into_owned());
+    let stem = Path::new(&name).file_stem().map_or(name.clone(), |s| s.to_string_lossy().into_owned());
     let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     format!("{}_{file}", stem.chars().map(plain).collect::<String>())
 }
@@ -296,7 +301,9 @@ pub(crate) fn command_of(state: &State) -> Option<Request> {
 /// What is said when the command of a request was copied.
 pub(crate) fn copied(request: &Request) -> String {
     let mut paths = request.input.files.iter().chain(&request.edges).chain(&request.frequencies);
-    let relative = paths.any(|path| path.is_relative() && path.as_os_str() != "-");
+    let mut specs = request.integrand.iter().chain(&request.intensity);
+    let of_spec = |spec: &String| spec.split_once("file=").is_some_and(|(_, path)| Path::new(path).is_relative());
+    let relative = paths.any(|path| path.is_relative() && path.as_os_str() != "-") || specs.any(of_spec);
     match std::env::current_dir().ok().filter(|_| relative) {
         Some(folder) => format!("Copied the command; its paths start in {}", folder.display()),
         None => "Copied the command".into(),

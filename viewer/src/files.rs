@@ -22,6 +22,8 @@ pub enum Choice {
     Folder,
     /// A session.
     Session,
+    /// The file that an integrand of this name is made of.
+    Integrand(&'static str),
 }
 
 /// What came of it.
@@ -36,6 +38,8 @@ pub enum Answer {
         /// What is in it.
         text: String,
     },
+    /// A function to integrate.
+    Integrand(String),
     /// It was written, to there.
     Saved(PathBuf),
     /// It could not be read or written, for this reason.
@@ -60,14 +64,36 @@ pub(crate) fn read_session(path: &Path) -> Answer {
     }
 }
 
+/// Files that are no points: pictures to integrate.
+const PICTURES: [&str; 3] = ["png", "pfm", "exr"];
+
+/// The specification of an integrand that is made of a file.
+fn made_of(name: &str, path: &Path) -> String {
+    format!("{name}:file={}", path.display())
+}
+
 /// What was chosen, written or dropped since the last frame.
 pub(crate) fn arrived(ctx: &egui::Context, files: &mut dyn Files) -> Vec<Answer> {
     let dropped = ctx.input(|i| i.raw.dropped_files.clone());
     let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
-    let is_session = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let mut answers = files.answers();
-    answers.extend(paths.iter().filter(is_session).map(|path| read_session(path)));
-    let points: Vec<PathBuf> = paths.iter().filter(|path| !is_session(path)).cloned().collect();
+    answers.extend(taken(&paths));
+    answers
+}
+
+/// What dropped files are, by their names.
+fn taken(paths: &[PathBuf]) -> Vec<Answer> {
+    let ends_with = |path: &Path, all: &[&str]| {
+        path.extension().is_some_and(|end| all.iter().any(|one| end.eq_ignore_ascii_case(one)))
+    };
+    let (mut answers, mut points) = (Vec::new(), Vec::new());
+    for path in paths {
+        match path {
+            path if ends_with(path, &["json"]) => answers.push(read_session(path)),
+            path if ends_with(path, &PICTURES) => answers.push(Answer::Integrand(made_of("image", path))),
+            path => points.push(path.clone()),
+        }
+    }
     if !points.is_empty() {
         answers.push(Answer::Points(points));
     }
@@ -82,7 +108,7 @@ pub(crate) fn announce_drop(ctx: &egui::Context, has_room: bool) {
     }
     let text = match (has_room, hovering) {
         (false, _) => format!("There is room for {MOST_SETS} sets: remove one first"),
-        (true, 1) => "Drop to add this file or folder as a set; a session opens".to_string(),
+        (true, 1) => "Drop to add this file or folder as a set; a picture is integrated, a session opens".to_string(),
         (true, many) => format!("Drop to add {many} files as one set"),
     };
     let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
@@ -96,4 +122,17 @@ pub(crate) fn announce_drop(ctx: &egui::Context, has_room: bool) {
     );
     let font = egui::TextStyle::Heading.resolve(&ctx.global_style());
     painter.text(all.center(), egui::Align2::CENTER_CENTER, text, font, visuals.strong_text_color());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_integrated_and_points_are_one_set() {
+        let paths = ["a.csv", "b.PNG", "c", "d.exr"].map(PathBuf::from);
+        let picture = |name: &str| Answer::Integrand(format!("image:file={name}"));
+        let points = Answer::Points(["a.csv", "c"].map(PathBuf::from).to_vec());
+        assert_eq!(taken(&paths), [picture("b.PNG"), picture("d.exr"), points]);
+    }
 }

@@ -34,7 +34,7 @@ const fn shortcut(keys: &'static [KeyboardShortcut], action: Keyed, words: &'sta
 
 /// The keys of the panels, in their order.
 const PANELS: [KeyboardShortcut; Panel::ALL.len()] =
-    [key(Key::Num1), key(Key::Num2), key(Key::Num3), key(Key::Num4), key(Key::Num5), key(Key::Num6)];
+    [key(Key::Num1), key(Key::Num2), key(Key::Num3), key(Key::Num4), key(Key::Num5), key(Key::Num6), key(Key::Num7)];
 
 /// All of them. Of two that share a key, the one with more modifiers comes first.
 pub const SHORTCUTS: [Shortcut; 19] = [
@@ -73,16 +73,17 @@ const MOUSE: [(&str, &str); 9] = [
     ("double click", "in a plot: reset its zoom; on a title: fill the window, show all again"),
     ("📤 of a panel", "take away its picture, figure, numbers or command"),
     ("any setting", "point at it: what it means, its unit and its flag"),
-    ("drop files", "points as a set of their own, or a session"),
+    ("drop files", "points as a set of their own, a picture to integrate, or a session"),
 ];
 
 /// What is drawn.
-const MARKS: [(&str, &str); 6] = [
+const MARKS: [(&str, &str); 7] = [
     ("line", "estimate, in the colour of its set"),
     ("band", "± one standard error; shrinks as realizations come in"),
     ("dashed line", "closed form, where the sampler has one"),
     ("level", "complete randomness: g = 1, P = 1; of the anisotropy −10 log10 K dB"),
     ("grey centre", "of P(m): DC, which is the number of points and no fluctuation"),
+    ("dot of a variance", "full where predicted, hollow where observed; ± two standard errors"),
     ("bar", "the values that the colours of a picture stand for"),
 ];
 

@@ -1,7 +1,7 @@
 //! What is under the pointer, for every panel to mark.
 
 use glam::DVec2;
-use pairwave::display::Panel;
+use pairwave::display::{Form, Panel};
 
 use crate::engine::SetId;
 
@@ -18,6 +18,10 @@ pub(crate) enum Place {
     Lag(DVec2),
     /// A point of the first realization of a set, by its index.
     Point(SetId, usize),
+    /// A variance of an integrand, by its place in the list.
+    Variance(usize, Form),
+    /// A place along the axis of what a variance comes from, as drawn.
+    Share(f64),
 }
 
 /// What the pointer is at.

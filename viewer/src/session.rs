@@ -150,6 +150,8 @@ impl Session {
         if let Some(folder) = elsewhere {
             let paths = input.files.iter_mut().chain(&mut request.edges).chain(&mut request.frequencies);
             paths.for_each(|path| *path = folder.join(&*path));
+            let specs = request.integrand.iter_mut().chain(&mut request.intensity);
+            specs.for_each(|spec| *spec = started(spec, folder));
         }
         Ok(request)
     }
@@ -172,6 +174,14 @@ impl Session {
             0..3 => Ok(()),
             plane => Err(format!("\"plane\" is {plane}; it must be 0, 1 or 2")),
         }
+    }
+}
+
+/// The specification of an integrand, the path of its file as seen from a folder.
+fn started(spec: &str, folder: &Path) -> String {
+    match spec.split_once("file=") {
+        Some((head, file)) => format!("{head}file={}", folder.join(file).display()),
+        None => spec.into(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use pairwave::Integrand;
 use pairwave::analysis::Analysis;
 use pairwave::points::Ensemble;
 use pairwave::request::Request;
@@ -43,6 +44,12 @@ impl Set {
         snapshot.points.as_deref().or(snapshot.analysis.as_deref().map(|analysis| &analysis.first))
     }
 
+    /// The integrand that is drawn where there is room for one: that of this number, or the last.
+    pub(crate) fn integrand(&self, index: usize) -> Option<&Integrand> {
+        let each = &self.analysis()?.integration()?.each;
+        each.get(index).or(each.last()).map(|error| &error.integrand)
+    }
+
     /// The last realization there is.
     pub(crate) fn last_realization(&self) -> u64 {
         let status = self.snapshot.as_ref().and_then(|snapshot| snapshot.status.as_ref());
@@ -79,6 +86,13 @@ pub(crate) fn of_sampler(request: &Request, name: &str) -> Request {
     request.input.realizations = old.realizations;
     (request.input.dim, request.input.seed) = (old.dim, old.seed);
     fitting(request)
+}
+
+/// The request of other integrands; without any, what is said of their integrals says nothing.
+pub(crate) fn with_integrands(request: &Request, specs: Vec<String>) -> Request {
+    let mut request = if specs.is_empty() { request.without_integrals() } else { request.clone() };
+    request.integrand = specs;
+    request
 }
 
 /// The request with the number of points nearest to its own that its sampler takes.

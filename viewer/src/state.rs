@@ -8,7 +8,7 @@ use pairwave::request::{PointsRequest, Request, Statistic};
 
 use crate::engine::{SetId, Snapshot};
 use crate::messages::Messages;
-use crate::set::{MOST_SETS, Set, Wanted, of_sampler};
+use crate::set::{MOST_SETS, Set, Wanted, of_sampler, with_integrands};
 use crate::view::View;
 
 /// Realizations are not doubled beyond this.
@@ -100,6 +100,15 @@ impl State {
         self.add(request);
     }
 
+    /// Has another function integrated over the points of the selected set.
+    pub(crate) fn add_integrand(&mut self, spec: String) {
+        let Some(set) = self.sets.get_mut(self.selected) else { return };
+        self.messages.note(format!("Integrates {spec} over {}", set.name()));
+        let specs = set.request.integrand.iter().cloned().chain([spec]).collect();
+        set.request = with_integrands(&set.request, specs);
+        self.view.show(Panel::Integration);
+    }
+
     /// Adds the selected set once more.
     pub(crate) fn duplicate(&mut self) {
         if let Some(set) = self.selected_set() {
@@ -177,7 +186,12 @@ impl State {
         if self.view.numbers {
             stats.push(Statistic::Neighbors);
         }
-        set.request.only(&stats)
+        // Integrals are in one panel, below the points and over P.
+        if self.view.is_shown(Panel::Integration) || self.view.integrand_below || self.view.attribution {
+            set.request.only(&stats)
+        } else {
+            set.request.without_integrals().only(&stats)
+        }
     }
 
     /// Whether everything asked for is there.

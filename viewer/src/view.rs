@@ -54,8 +54,43 @@ pub struct View {
     pub strata: bool,
     /// Points: each linked to its nearest neighbour.
     pub links: bool,
+    /// Points: the integrand below them.
+    pub integrand_below: bool,
+    /// Integration: what is drawn.
+    pub integrals: Integrals,
+    /// P(m): in its place what every frequency adds to the variance of an integral.
+    pub attribution: bool,
+    /// Which of the integrands of a set is drawn where there is room for one.
+    pub integrand: usize,
     /// Light or dark.
     pub theme: Theme,
+}
+
+/// What is drawn of integrals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrals {
+    /// Predicted and observed variances.
+    #[default]
+    Errors,
+    /// Which frequencies the variance comes from.
+    Frequencies,
+    /// At which distances correlation acts.
+    Distances,
+}
+
+impl Integrals {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Errors, Self::Frequencies, Self::Distances];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Errors => "variance",
+            Self::Frequencies => "by frequency",
+            Self::Distances => "by distance",
+        }
+    }
 }
 
 /// Light or dark.
@@ -92,6 +127,13 @@ impl Theme {
 }
 
 impl View {
+    /// Has a panel among those that are shown.
+    pub(crate) fn show(&mut self, panel: Panel) {
+        if !self.panels.contains(&panel) {
+            self.panels.push(panel);
+        }
+    }
+
     /// Whether a panel is on the screen.
     pub(crate) fn is_shown(&self, panel: Panel) -> bool {
         match self.maximized {
@@ -126,6 +168,10 @@ impl Default for View {
             indices: false,
             strata: false,
             links: false,
+            integrand_below: false,
+            integrals: Integrals::default(),
+            attribution: false,
+            integrand: 0,
             theme: Theme::System,
         }
     }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use crate::display::escape;
 use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, ORANGE, PURPLE, Rgb, SKY, Stroke, VERMILION};
-use crate::display::human;
+use crate::display::{distance_sums, frequency_sums, human};
 use crate::estimate::{Analysis, IntegrationError, IntegrationErrors, Measured};
 use crate::statistics::Svg;
 
@@ -119,19 +119,10 @@ pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
     let mut layers = Vec::new();
     let mut end = 1f64;
     for (one, color) in found.each.iter().zip(COLORS.iter().cycle()) {
-        let whole = one.closed.value - one.count_term;
-        if whole <= 0.0 {
+        let run: Vec<(f64, f64)> = frequency_sums(one).into_iter().map(|[m, share]| (m, share)).collect();
+        if run.is_empty() {
             continue;
         }
-        let mut sum = 0.0;
-        let run: Vec<(f64, f64)> = one
-            .rings
-            .iter()
-            .map(|ring| {
-                sum += ring.variance;
-                (ring.m, sum / whole)
-            })
-            .collect();
         // As far as all but a hundredth.
         end = run.iter().find(|p| p.1 > 0.99).or(run.last()).map_or(end, |p| end.max(p.0));
         let name = one.integrand.spec().split(':').next().unwrap_or_default();
@@ -159,15 +150,10 @@ pub(super) fn lags(a: &Analysis) -> Option<Figure> {
     let mut layers = Vec::new();
     let (mut end, mut high, mut low) = (0.05f64, 1f64, 0f64);
     for (one, color) in found.each.iter().zip(COLORS.iter().cycle()) {
-        if one.alone <= 0.0 || one.lags.is_empty() {
+        let run: Vec<(f64, f64)> = distance_sums(one).into_iter().map(|[r, sum]| (r, sum)).collect();
+        if run.is_empty() {
             continue;
         }
-        let mut sum = one.alone;
-        let pairs = one.lags.iter().map(|shell| {
-            sum += shell.variance;
-            (shell.hi, sum / one.alone)
-        });
-        let run: Vec<(f64, f64)> = std::iter::once((0.0, 1.0)).chain(pairs).collect();
         let last = run.last().map_or(1.0, |p| p.1);
         high = run.iter().map(|p| p.1).fold(high, f64::max);
         low = run.iter().map(|p| p.1).fold(low, f64::min);

@@ -1,14 +1,15 @@
 //! How things are shown: nothing here is measured anew, but for panels that were hidden.
 
 use eframe::egui;
-use pairwave::analysis::Analysis;
 use pairwave::display::{AxisScale, ColorMap, FrequencyUnit, LengthUnit, Panel, ToneMap};
 
 use super::{choice, row};
+use crate::set::Set;
 use crate::view::{Theme, View};
 
-/// Draws the controls of the looks; units are named for the sets of `analysis`.
-pub(super) fn show(ui: &mut egui::Ui, analysis: Option<&Analysis>, view: &mut View) {
+/// Draws the controls of the looks; units are named for the selected set.
+pub(super) fn show(ui: &mut egui::Ui, selected: Option<&Set>, view: &mut View) {
+    let analysis = selected.and_then(Set::analysis);
     ui.separator();
     ui.heading("Show");
     egui::CollapsingHeader::new("Panels").show(ui, |ui| panels(ui, view));
@@ -39,7 +40,19 @@ pub(super) fn show(ui: &mut egui::Ui, analysis: Option<&Analysis>, view: &mut Vi
         ui.checkbox(&mut view.strata, "strata").on_hover_text("The m^d equal boxes of n = m^d points");
         ui.checkbox(&mut view.links, "nearest neighbours")
             .on_hover_text("Each point is linked to the one nearest to it");
+        ui.checkbox(&mut view.integrand_below, "integrand below").on_hover_text(
+            "The function that is integrated, in greys from its least to its largest value; in 3D a plane through the middle of the box",
+        );
     });
+    let specs = selected.map_or(&[][..], |set| &set.request.integrand);
+    if specs.len() > 1 {
+        let mut chosen = view.integrand.min(specs.len() - 1);
+        let all: Vec<usize> = (0..specs.len()).collect();
+        let help = "Of several integrands the one that is drawn below points and whose variance is mapped";
+        if choice(ui, ("integrand", help), &mut chosen, &all, |k| specs[k].clone()) {
+            view.integrand = chosen;
+        }
+    }
     choice(ui, ("theme", "Light or dark"), &mut view.theme, &Theme::ALL, |t| t.name().to_string());
 }
 
@@ -66,6 +79,9 @@ fn pictures(ui: &mut egui::Ui, view: &mut View) {
         "P(m) grey and linear from 0 to 2, frequencies up to 4 per mean spacing, anisotropy above that of an isotropic spectrum",
     );
     if !view.paper {
+        ui.checkbox(&mut view.attribution, "variance of an integral").on_hover_text(
+            "In P(m) what every frequency adds to the variance of an integral, |f_m|² P(m), on a logarithmic scale",
+        );
         tones(ui, view);
     }
     let map = |map: ColorMap| map.name().to_string();

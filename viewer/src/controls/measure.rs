@@ -5,20 +5,22 @@ use pairwave::Setting;
 use pairwave::plan::LagReach;
 use pairwave::request::{Group, Request};
 
-use super::{Controls, setting};
+use super::{Controls, integrands, setting};
+use crate::actions::Action;
 use crate::set::Set;
 
 /// Groups that fold, with their titles.
-pub(super) const GROUPS: [(Group, &str); 5] = [
+pub(super) const GROUPS: [(Group, &str); 6] = [
     (Group::Distances, "Distances"),
     (Group::Frequencies, "Frequencies"),
     (Group::Lags, "Lags"),
+    (Group::Integration, "Integrals"),
     (Group::Tapers, "Window"),
     (Group::Computing, "Computing"),
 ];
 
 /// Settings of requests with their titles, in the order in which they are shown.
-pub(super) const TITLES: [(Setting, &str); 21] = [
+pub(super) const TITLES: [(Setting, &str); 26] = [
     (Setting::RMax, "largest r"),
     (Setting::Bins, "bins"),
     (Setting::BinScale, "spacing"),
@@ -33,6 +35,11 @@ pub(super) const TITLES: [(Setting, &str); 21] = [
     (Setting::BugCompatible, "with that program's defects"),
     (Setting::LagBins, "bins per axis"),
     (Setting::LagMax, "largest lag"),
+    (Setting::Integrand, "integrand"),
+    (Setting::Estimator, "estimator"),
+    (Setting::Shifts, "shifts"),
+    (Setting::Intensity, "density"),
+    (Setting::By, "by"),
     (Setting::Taper, "taper"),
     (Setting::Tapers, "sine tapers"),
     (Setting::Debias, "debias"),
@@ -43,7 +50,13 @@ pub(super) const TITLES: [(Setting, &str); 21] = [
 ];
 
 /// Draws the groups of a set; `request` is what is asked of it from now on.
-pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, request: &mut Request) {
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    controls: &mut Controls,
+    set: &Set,
+    request: &mut Request,
+    actions: &mut Vec<Action>,
+) {
     ui.heading("Measure");
     let window = request.input.sampler.is_none();
     let group_of = |setting: Setting| setting.row().map(|row| row.group);
@@ -55,6 +68,10 @@ pub(super) fn show(ui: &mut egui::Ui, controls: &mut Controls, set: &Set, reques
         let header = egui::CollapsingHeader::new(*title).open(blamed.then_some(true));
         header.show(ui, |ui| {
             for (one, title) in settings {
+                if *one == Setting::Integrand {
+                    integrands::show(ui, controls, set, request, actions);
+                    continue;
+                }
                 setting(ui, controls, set, request, *one, title);
                 if *one == Setting::LagMax {
                     let mut whole = request.lag_max == Some(LagReach::Whole);

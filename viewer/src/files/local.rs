@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use super::{Answer, Choice, Files, read_session};
+use super::{Answer, Choice, Files, PICTURES, made_of, read_session};
 
 /// Those of the computer. Each dialog is waited for on a thread of its own.
 pub struct LocalFiles {
@@ -61,6 +61,8 @@ impl Files for LocalFiles {
     fn choose(&mut self, what: Choice) {
         if !self.has_dialogs {
             let instead = match what {
+                Choice::Integrand("image") => "drop the picture on the window, or type image:file=PATH as an integrand",
+                Choice::Integrand(_) => "add another integrand and type NAME:file=PATH in its place",
                 Choice::Session => "drop the session on the window, or start with --session FILE",
                 _ => "drop files on the window, or type a path under Points",
             };
@@ -77,6 +79,11 @@ impl Files for LocalFiles {
             Choice::Folder => {
                 let folder = dialog.set_title("A folder of points").pick_folder();
                 self.wait(folder, |folder| Answer::Points(vec![folder.path().to_path_buf()]));
+            }
+            Choice::Integrand(name) => {
+                let dialog = dialog.set_title("A function to integrate");
+                let dialog = if name == "image" { dialog.add_filter("picture", &PICTURES) } else { dialog };
+                self.wait(dialog.pick_file(), move |file| Answer::Integrand(made_of(name, file.path())));
             }
             Choice::Session => {
                 let dialog = dialog.set_title("A session").add_filter("session", &["json"]);

@@ -7,8 +7,8 @@ use egui_plot::{HLine, Line, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::display::{
-    Axis, ColorMap, Frame, FrequencyUnit, Panel, Pixels, ToneMap, overlays, paper, spectrum_at, spectrum_pixels,
-    vector_at, vector_pixels, vector_reach, vector_ticks,
+    Attribution, Axis, ColorMap, Frame, FrequencyUnit, Panel, Pixels, ToneMap, overlays, paper, spectrum_at,
+    spectrum_pixels, vector_at, vector_pixels, vector_reach, vector_ticks,
 };
 
 use super::chart::{Chart, Zoomed};
@@ -22,6 +22,8 @@ use crate::view::View;
 #[derive(Default)]
 pub(crate) struct Images {
     kept: HashMap<(Panel, SetId), KeptPicture>,
+    /// Of sets whose variance is mapped.
+    attributions: HashMap<SetId, Attribution>,
 }
 
 /// A picture of a snapshot.
@@ -43,6 +45,8 @@ struct Shades {
 
 #[derive(Clone, PartialEq)]
 enum Looks {
+    /// What frequencies add to the variance of an integral, with the largest part.
+    Variance(String, ColorMap, f64),
     /// With the number of points at the upper end.
     Spectrum(ToneMap, ColorMap, f64),
     /// As papers print it.
@@ -52,8 +56,9 @@ enum Looks {
 }
 
 impl Shades {
-    fn pixels(&self, analysis: &Analysis) -> Option<Pixels> {
+    fn pixels(&self, analysis: &Analysis, attribution: Option<&Attribution>) -> Option<Pixels> {
         match self.looks {
+            Looks::Variance(_, colors, largest) => attribution?.pixels(analysis, largest, colors, self.most),
             Looks::Spectrum(tone_map, colors, white) => {
                 spectrum_pixels(analysis, tone_map, Some(white), colors, None, self.most)
             }
@@ -65,8 +70,16 @@ impl Shades {
     }
 
     /// The colour bar: its ticks, its colours, what they are values of, and what it says of itself.
-    fn bar(&self, analysis: &Analysis) -> (Vec<(f64, String)>, ColorMap, &'static str, String) {
+    fn bar(
+        &self,
+        analysis: &Analysis,
+        attribution: Option<&Attribution>,
+    ) -> (Vec<(f64, String)>, ColorMap, &'static str, String) {
         match self.looks {
+            Looks::Variance(_, colors, largest) => {
+                let text = attribution.map(Attribution::definition).unwrap_or_default();
+                (Attribution::ticks(largest), colors, "|f|²P/v₀", text)
+            }
             Looks::Spectrum(tone_map, colors, white) => {
                 let name = if matches!(tone_map, ToneMap::Decibel { .. }) { "P / dB" } else { "P" };
                 (tone_map.ticks(white), colors, name, format!("colours of P: {}", tone_map.definition()))
@@ -101,7 +114,7 @@ impl Images {
             planes(ui, scene);
         }
         if !scene.view.side_by_side {
-            readout(ui, panel, scene, first);
+            readout(ui, panel, scene, first, self.attributions.get(&scene.sets[first].id));
         }
         let Some(analysis) = scene.sets[first].analysis() else { return };
         let area = ui.available_rect_before_wrap();
@@ -117,13 +130,13 @@ impl Images {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
             ui.scope_builder(builder, |ui| {
                 if scene.view.side_by_side {
-                    readout(ui, panel, scene, of);
+                    readout(ui, panel, scene, of, self.attributions.get(&scene.sets[of].id));
                 }
                 self.picture(ui, panel, (index, of), frame, scene, zoomed);
             });
         }
         if let Some(kept) = self.kept.get(&(panel, scene.sets[first].id)) {
-            color_bar(ui, bar, kept.of.bar(analysis));
+            color_bar(ui, bar, kept.of.bar(analysis, self.attributions.get(&scene.sets[first].id)));
         }
         ui.allocate_rect(area, egui::Sense::hover());
     }
@@ -137,12 +150,23 @@ impl Images {
             let chosen = shown.iter().copied().find(|&s| s == scene.selected).or(shown.first().copied());
             shown = chosen.into_iter().collect();
         }
+        self.attribute(panel, scene, &shown);
         // One colour bar for all.
         let most_of = |value: fn(&Analysis) -> Option<f64>| {
             shown.iter().filter_map(|&s| scene.sets[s].analysis()).filter_map(value).reduce(f64::max).unwrap_or(1.0)
         };
         let looks = match panel {
             Panel::Spectrum if scene.view.paper => Looks::Paper,
+            Panel::Spectrum if !self.attributions.is_empty() => {
+                let largest = |&s: &usize| {
+                    let set = &scene.sets[s];
+                    Some(self.attributions.get(&set.id)?.largest(set.analysis()?))
+                };
+                let named = shown.iter().find_map(|s| scene.sets[*s].integrand(scene.view.integrand));
+                let spec = named.map_or(String::new(), |integrand| integrand.spec().to_string());
+                let largest = shown.iter().filter_map(largest).fold(0.0, f64::max);
+                Looks::Variance(spec, scene.view.spectrum_colors, largest)
+            }
             Panel::Spectrum => {
                 let white = most_of(|analysis| Some(analysis.shape.mean_points));
                 Looks::Spectrum(scene.view.tone_map, scene.view.spectrum_colors, white)
@@ -160,7 +184,10 @@ impl Images {
             if self.kept.get(&key).is_some_and(|kept| kept.of == of) {
                 continue;
             }
-            let Some(pixels) = of.pixels(analysis) else { continue };
+            let Some(pixels) = of.pixels(analysis, self.attributions.get(&set.id)) else {
+                self.kept.remove(&key);
+                continue;
+            };
             let image = egui::ColorImage::from_rgb([pixels.width, pixels.height], &pixels.rgb);
             let options =
                 egui::TextureOptions { magnification: egui::TextureFilter::Nearest, ..egui::TextureOptions::LINEAR };
@@ -177,6 +204,26 @@ impl Images {
         }
         shown.retain(|&s| self.kept.contains_key(&(panel, scene.sets[s].id)));
         shown
+    }
+
+    /// Brings up to date what maps of variance are made of, where one is asked for.
+    fn attribute(&mut self, panel: Panel, scene: &Scene<'_>, shown: &[usize]) {
+        if panel != Panel::Spectrum {
+            return;
+        }
+        let wanted = scene.view.attribution && !scene.view.paper;
+        self.attributions.retain(|id, _| wanted && shown.iter().any(|&s| scene.sets[s].id == *id));
+        for set in shown.iter().map(|&s| &scene.sets[s]).filter(|_| wanted) {
+            let found = set.analysis().zip(set.integrand(scene.view.integrand));
+            let kept = self.attributions.get(&set.id);
+            if found.is_some_and(|(analysis, f)| kept.is_some_and(|kept| kept.suits(analysis, f))) {
+                continue;
+            }
+            match found.and_then(|(analysis, f)| Attribution::new(analysis, f)) {
+                Some(made) => _ = self.attributions.insert(set.id, made),
+                None => _ = self.attributions.remove(&set.id),
+            }
+        }
     }
 
     /// The axes of a picture, and what it shows.
@@ -264,18 +311,22 @@ fn mark(plot: &mut PlotUi<'_>, panel: Panel, axis: Axis, hover: &Hover, ink: egu
 }
 
 /// A line with the name of a set, or what it is at under the pointer.
-fn readout(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, of: usize) {
+fn readout(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, of: usize, attribution: Option<&Attribution>) {
     let set = &scene.sets[of];
     let Some(analysis) = set.analysis() else { return };
     let said = match (panel, scene.hover.place()) {
-        (Panel::Spectrum, Some(Place::Mode(nu))) => spectrum_at(analysis, nu.to_array()).map(|mode| mode.text()),
+        (Panel::Spectrum, Some(Place::Mode(nu))) => {
+            spectrum_at(analysis, nu.to_array()).map(|mode| attribution.map_or_else(|| mode.text(), |a| a.text(&mode)))
+        }
         (Panel::Vector, Some(Place::Lag(lag))) => {
             vector_at(analysis, lag.to_array(), plane_of(analysis, scene.view.plane)).map(|lag| lag.text())
         }
         _ => None,
     };
     let plane = if panel == Panel::Spectrum && analysis.domain.dim() > 2 { ", plane m_z = 0" } else { "" };
-    let text = said.unwrap_or_else(|| format!("{}{plane}", set.name()));
+    let of_what = set.integrand(scene.view.integrand).filter(|_| panel == Panel::Spectrum && attribution.is_some());
+    let of_what = of_what.map_or(String::new(), |integrand| format!(", {}", integrand.spec()));
+    let text = said.unwrap_or_else(|| format!("{}{plane}{of_what}", set.name()));
     line(ui, vec![(set.color, text.clone(), text)], Vec::new());
 }
 
@@ -293,7 +344,9 @@ fn color_bar(
         let corner = rect.min + egui::vec2(0.0, 18.0);
         egui::Rect::from_min_max(corner, egui::pos2(corner.x + 10.0, rect.max.y - 22.0))
     } else {
-        let corner = rect.min + egui::vec2(28.0, 6.0);
+        // After what they are.
+        let named = painter.layout_no_wrap(name.to_string(), font.clone(), ink).size().x;
+        let corner = rect.min + egui::vec2((named + 8.0).max(28.0), 6.0);
         egui::Rect::from_min_max(corner, egui::pos2(rect.max.x - 28.0, corner.y + 10.0))
     };
     if bar.size().max_elem() < 20.0 {

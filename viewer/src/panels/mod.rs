@@ -3,6 +3,7 @@
 mod chart;
 mod curves;
 mod images;
+mod integrals;
 mod points;
 
 use eframe::egui;
@@ -50,6 +51,9 @@ impl Scene<'_> {
     /// Whether one of the sets could have something to draw in a panel, as far as that is known.
     fn applies(&self, panel: Panel) -> bool {
         let mut sets = self.sets.iter().filter(|set| set.visible).peekable();
+        if panel == Panel::Integration {
+            return sets.any(|set| !set.request.integrand.is_empty());
+        }
         sets.peek().is_none() || sets.any(|set| set.analysis().is_none_or(|analysis| panel.applies(analysis)))
     }
 }
@@ -149,6 +153,7 @@ impl Panels {
                 Panel::Points => self.points.show(ui, scene, &mut self.zoomed),
                 Panel::Pcf | Panel::Radial | Panel::Anisotropy => self.curves.show(ui, panel, scene, &mut self.zoomed),
                 Panel::Spectrum | Panel::Vector => self.images.show(ui, panel, scene, &mut self.zoomed),
+                Panel::Integration => integrals::show(ui, scene, &mut self.zoomed),
             }
         });
         scene.exports.at(panel, drawn.response.rect);

@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 
 use eframe::egui;
+use egui_plot::{PlotImage, PlotPoint};
 use glam::DVec2;
 use pairwave::analysis::Analysis;
 use pairwave::control::Control;
-use pairwave::display::{Axis, Frame, Panel, overlays};
+use pairwave::display::{Axis, ColorMap, Frame, Panel, integrand_pixels, overlays};
+use pairwave::plan::By;
 use pairwave::points::{Boundary, Ensemble};
 use pairwave::request::PointsRequest;
 
@@ -28,6 +30,9 @@ const MOST_LINKS: usize = 5_000;
 /// More indices than this are not drawn: nobody could read them.
 const MOST_INDICES: usize = 400;
 
+/// Pixels along a side of the picture of an integrand.
+const BELOW: usize = 256;
+
 /// What a drawing of points depends on: what they were asked for as, the plane, and, as a file may have changed, their ends.
 #[derive(PartialEq)]
 struct Of {
@@ -35,12 +40,22 @@ struct Of {
     plane: [usize; 2],
     realization: u64,
     ends: [Option<String>; 2],
+    /// The density that they come by, and how.
+    density: Option<(String, Option<By>)>,
 }
 
 /// What is drawn over points, kept until the points change.
 #[derive(Default)]
 pub(crate) struct Cloud {
     kept: HashMap<SetId, KeptDots>,
+    below: HashMap<SetId, Below>,
+}
+
+/// The picture of an integrand.
+struct Below {
+    /// Its specification, the plane, and what is seen of it.
+    of: (String, [usize; 2], [[f64; 2]; 2]),
+    texture: egui::TextureHandle,
 }
 
 struct KeptDots {
@@ -49,6 +64,8 @@ struct KeptDots {
     n: usize,
     every: usize,
     places: Vec<DVec2>,
+    /// What each of these weighs in integrals, over their mean.
+    weights: Option<Vec<f64>>,
     /// Copies across the sides, of every so many.
     tiles: Vec<DVec2>,
     tiled: usize,
@@ -78,8 +95,9 @@ impl KeptDots {
         let tiles = overlays::tiles(&analysis.domain, plane, &copied).unwrap_or_default();
         let strata = overlays::strata_lines(&analysis.domain, plane, all.len()).unwrap_or_default();
         let frame = overlays::frame(&analysis.domain, plane).map(DVec2::from);
+        let weights = overlays::weights(analysis, points).map(|all| all.into_iter().step_by(every).collect());
         let (places, tiles) = (vectors(places), vectors(tiles));
-        Self { of, n: all.len(), every, places, tiles, tiled, strata: segments(strata), links: None, frame }
+        Self { weights, of, n: all.len(), every, places, tiles, tiled, strata: segments(strata), links: None, frame }
     }
 }
 
@@ -114,6 +132,8 @@ impl Cloud {
     /// Brings up to date what is kept. The sets that have points.
     fn prepare(&mut self, scene: &Scene<'_>) -> Vec<usize> {
         self.kept.retain(|id, _| scene.sets.iter().any(|set| set.visible && set.id == *id));
+        let below = scene.view.integrand_below;
+        self.below.retain(|id, _| below && scene.sets.iter().any(|set| set.visible && set.id == *id));
         let mut drawn = Vec::new();
         for (index, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.visible) {
             let (Some(analysis), Some(points), Some(snapshot)) = (set.analysis(), set.points(), &set.snapshot) else {
@@ -125,7 +145,9 @@ impl Cloud {
             let last = points.points_in(0).saturating_sub(1);
             let ends = [0, last].map(|k| overlays::point_text(points, k));
             let (plane, realization) = (all[scene.view.plane.min(all.len() - 1)], points.first_index());
-            let of = Of { request, plane, realization, ends };
+            let placed = analysis.integration().and_then(|found| found.placed.as_ref());
+            let density = placed.map(|placed| (placed.spec.clone(), placed.by));
+            let of = Of { density, request, plane, realization, ends };
             if self.kept.get(&set.id).is_none_or(|kept| kept.of != of) {
                 self.kept.insert(set.id, KeptDots::new(of, analysis, points));
             }
@@ -141,7 +163,34 @@ impl Cloud {
         drawn
     }
 
-    fn chart(&self, ui: &mut egui::Ui, index: usize, sets: &[usize], scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
+    /// The picture of the integrand that is below the points of some sets, and what it covers.
+    fn below(
+        &mut self,
+        ctx: &egui::Context,
+        sets: &[usize],
+        scene: &Scene<'_>,
+        plane: [usize; 2],
+    ) -> Option<(egui::TextureId, [[f64; 2]; 2])> {
+        let of = sets.iter().find(|&&s| s == scene.selected).or(sets.first())?;
+        let set = &scene.sets[*of];
+        let found = set.analysis().zip(set.integrand(scene.view.integrand)).filter(|_| scene.view.integrand_below);
+        let Some((analysis, integrand)) = found else {
+            self.below.remove(&set.id);
+            return None;
+        };
+        let [low, high] = overlays::frame(&analysis.domain, plane);
+        let extent = [0, 1].map(|k| [low[k], high[k]]);
+        let of = (integrand.spec().to_string(), plane, extent);
+        if self.below.get(&set.id).is_none_or(|kept| kept.of != of) {
+            let drawn = integrand_pixels(integrand, ColorMap::Grey, plane, extent, BELOW)?;
+            let image = egui::ColorImage::from_rgb([BELOW; 2], &drawn.pixels.rgb);
+            let texture = ctx.load_texture("integrand", image, egui::TextureOptions::LINEAR);
+            self.below.insert(set.id, Below { of, texture });
+        }
+        self.below.get(&set.id).map(|kept| (kept.texture.id(), extent))
+    }
+
+    fn chart(&mut self, ui: &mut egui::Ui, index: usize, sets: &[usize], scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
         let Some(analysis) = sets.first().and_then(|&s| scene.sets[s].analysis()) else { return };
         let all = overlays::planes(analysis.domain.dim());
         let plane = all[scene.view.plane.min(all.len() - 1)];
@@ -173,7 +222,15 @@ impl Cloud {
             described: &described,
             fit: None,
         };
-        let shown = chart.show(ui, zoomed, |_| ());
+        let below = self.below(ui.ctx(), sets, scene, plane);
+        let tint = egui::Color32::WHITE.gamma_multiply(0.5);
+        let shown = chart.show(ui, zoomed, |plot| {
+            let Some((texture, [x, y])) = below else { return };
+            let [x, y] = [x, y].map(|ends| ends.map(|end| axis.in_unit(end)));
+            let (centre, size) = ([x[0] + x[1], y[0] + y[1]].map(|s| 0.5 * s), [x[1] - x[0], y[1] - y[0]]);
+            let image = PlotImage::new("integrand", texture, PlotPoint::from(centre), size.map(|s| s as f32));
+            plot.image(image.tint(tint).allow_hover(false));
+        });
         let (painter, dark) = (shown.painter(ui), ui.visuals().dark_mode);
         let mut nearest: Option<(f32, Place)> = None;
         // The selected one over the others.
@@ -212,9 +269,19 @@ impl Cloud {
         let texts = drawn.iter().map(|&s| &scene.sets[s]).filter_map(|set| {
             let (kept, points) = (self.kept.get(&set.id)?, set.points()?);
             let text = match scene.hover.place() {
-                Some(Place::Point(id, k)) if id == set.id => overlays::point_text(points, k)?,
+                Some(Place::Point(id, k)) if id == set.id => {
+                    let text = overlays::point_text(points, k)?;
+                    match kept.weights.as_ref().and_then(|all| all.get(k / kept.every)) {
+                        Some(weight) => format!("{text}, {}", overlays::weight_text(*weight)),
+                        None => text,
+                    }
+                }
                 _ if kept.every > 1 => format!("{}, one in {} of {} points", set.name(), kept.every, kept.n),
-                _ => format!("{}, {} points", set.name(), kept.n),
+                _ => match kept.weights.as_ref().map(|all| all.iter().filter(|w| **w != 0.0).count()) {
+                    Some(left) if left < kept.n => format!("{}, {left} of {} points kept", set.name(), kept.n),
+                    Some(_) => format!("{}, {} weighted points", set.name(), kept.n),
+                    None => format!("{}, {} points", set.name(), kept.n),
+                },
             };
             let which = (kept.of.realization > 0).then(|| format!("realization {}", kept.of.realization));
             let hidden = [
@@ -298,7 +365,23 @@ impl Drawing<'_> {
         if view.tiling {
             dots(&self.kept.tiles, self.color.gamma_multiply(0.35));
         }
-        dots(&self.kept.places, self.color);
+        match &self.kept.weights {
+            None => dots(&self.kept.places, self.color),
+            // As much ink as they weigh; those that are not kept are hollow.
+            Some(weights) => {
+                for (place, weight) in self.kept.places.iter().zip(weights) {
+                    let at = self.at(*place);
+                    if !visible.contains(at) {
+                        continue;
+                    }
+                    let size = radius * (weight.abs().sqrt() as f32).clamp(0.3, 3.0);
+                    match *weight == 0.0 {
+                        true => _ = self.painter.circle_stroke(at, 0.6 * radius, egui::Stroke::new(1.0, weak)),
+                        false => _ = self.painter.circle_filled(at, size, self.color),
+                    }
+                }
+            }
+        }
         if view.indices {
             let seen = self.kept.places.iter().enumerate().map(|(k, place)| (k, self.at(*place)));
             let seen: Vec<_> = seen.filter(|(_, at)| visible.contains(*at)).collect();

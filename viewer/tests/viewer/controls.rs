@@ -299,6 +299,78 @@ fn pictures_are_given_back() {
 }
 
 #[test]
+fn integrands_are_chosen_and_edited() {
+    let mut window = window("--sampler jittered -n 16 -k 3 --max-frequency 4 --lag-bins 8");
+    let integrands = |window: &Window| window.state().requests().next().unwrap().integrand.clone();
+    click(&mut window, "Integrals");
+    choose(&mut window, "add integrand", "disk");
+    choose(&mut window, "add integrand", "formula");
+    assert_eq!(integrands(&window), ["disk", "formula:x*sin(9*x)"]);
+    type_into(&mut window, "integrand 1", "disk:r=0.25");
+    assert_eq!(integrands(&window), ["disk:r=0.25", "formula:x*sin(9*x)"]);
+    type_into(&mut window, "shifts", "4");
+    settle(&mut window);
+    let shown = window.state().snapshots().next().unwrap().unwrap();
+    let found = shown.analysis.as_ref().unwrap().integration().unwrap();
+    assert_eq!((found.each.len(), found.shifts, found.each[0].estimates.len()), (2, 4, 3));
+    // What is refused says so at the field, and nothing changes.
+    type_into(&mut window, "integrand 1", "disk:radius=0.25");
+    assert_eq!(integrands(&window)[0], "disk:r=0.25");
+    window.get_by_label_contains("disk has no parameter radius");
+    type_into(&mut window, "integrand 1", "disc");
+    window.get_by_label_contains("did you mean disk?");
+    // A formula is the worker's to check.
+    type_into(&mut window, "integrand 2", "formula:1/(x");
+    settle(&mut window);
+    assert!(window.query_all_by_label_contains("formula:1/(x").next().is_some());
+    assert!(window.state().snapshots().next().unwrap().unwrap().error.is_some());
+    click(&mut window, "Leave out integrand 2");
+    assert_eq!(integrands(&window), ["disk:r=0.25"]);
+    // With the last one goes what is said of all.
+    click(&mut window, "Leave out integrand 1");
+    settle(&mut window);
+    assert_eq!(command(&window), "pairwave analyze --sampler jittered -n 16 -k 3 --lag-bins 8 --max-frequency 4");
+    assert_eq!(window.state().snapshots().next().unwrap().unwrap().error, None);
+}
+
+#[test]
+fn variances_of_integrals_are_measured_while_they_are_shown() {
+    let mut window =
+        window("--sampler jittered -n 16 -k 3 --max-frequency 4 --lag-bins 8 --integrand disk --integrand ramp");
+    let found = |window: &Window| {
+        let shown = window.state().snapshots().next().unwrap().unwrap();
+        shown.analysis.as_ref().unwrap().integration().is_some()
+    };
+    assert!(found(&window));
+    let picture = "predicted and observed variance of jittered (n = 16, K = 3): disk:";
+    let place = window.get_by_label_contains(picture).rect();
+    // What is pointed at is said with its error, and more of it beside the pointer.
+    window.hover_at(place.center_top() + egui::vec2(0.0, 0.25 * place.height()));
+    window.run_steps(30);
+    assert!(window.query_all_by_label_contains(" ± ").next().is_some());
+    window.get_by_label_contains("predicted, spectral with its tail: ");
+    click(&mut window, "by distance");
+    window.get_by_label_contains("variance, of as many random points of jittered");
+    click(&mut window, "by frequency");
+    window.get_by_label_contains("share of the variance of jittered");
+    // Hidden, it is not measured, and its settings are no error.
+    click(&mut window, "Panels");
+    window.get_by_role_and_label(Role::CheckBox, "integration").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!found(&window) && window.state().requests().next().unwrap().integrand.len() == 2);
+    assert_eq!(window.state().snapshots().next().unwrap().unwrap().error, None);
+    window.get_by_label_contains("not computed: integration");
+    // A first integrand brings its panel back.
+    click(&mut window, "Integrals");
+    click(&mut window, "Leave out integrand 2");
+    click(&mut window, "Leave out integrand 1");
+    choose(&mut window, "add integrand", "disk");
+    settle(&mut window);
+    assert!(found(&window));
+}
+
+#[test]
 fn what_was_asked_for_is_not_replaced_by_what_would_be_right() {
     let largest = "--sampler random -n 4 --seed 18446744073709551615";
     let seed = window(largest);

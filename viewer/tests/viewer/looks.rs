@@ -7,13 +7,15 @@ use eframe::egui;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use pairwave::display::{AxisScale, Panel};
 use pairwave_viewer::app::Viewer;
-use pairwave_viewer::view::{Theme, View};
+use pairwave_viewer::view::{Integrals, Theme, View};
 
 const SMALL: [f32; 2] = [900.0, 600.0];
 const LARGE: [f32; 2] = [1600.0, 1000.0];
 const PANEL: [f32; 2] = [640.0, 440.0];
 const JITTERED: &str = "--sampler jittered -n 64 -k 8 --max-frequency 24 --lag-bins 24";
 const RANDOM: &str = "--sampler random -n 144 -k 8 --max-frequency 24 --lag-bins 24";
+
+const INTEGRANDS: &str = " --integrand disk --integrand gaussian";
 
 /// A window on these sets, measured to the end; `None` where there is no driver at all and that is allowed.
 fn window(lines: &[&str], size: [f32; 2], view: View) -> Option<Window> {
@@ -65,7 +67,8 @@ fn panels() {
     for panel in Panel::ALL {
         // All that can be drawn over points.
         let view = View { tiling: true, indices: true, strata: true, links: true, ..only(panel) };
-        let Some(mut window) = window(&[JITTERED], PANEL, view) else { return };
+        let integrands = if panel == Panel::Integration { INTEGRANDS } else { "" };
+        let Some(mut window) = window(&[&format!("{JITTERED}{integrands}")], PANEL, view) else { return };
         look(&mut seen, &mut window, &format!("panel_{}", panel.slug()));
     }
 }
@@ -115,6 +118,37 @@ fn windows() {
     window.state_mut().set_view(View { side_by_side: true, ..dark });
     settle(&mut window);
     look(&mut seen, &mut window, "window_two_sets_side_by_side");
+}
+
+#[test]
+fn integrals() {
+    let mut seen = SnapshotResults::new();
+    let sets = [JITTERED, RANDOM].map(|line| format!("{line}{INTEGRANDS}"));
+    let both = sets.each_ref().map(String::as_str);
+    let of = |integrals: Integrals| View { integrals, ..only(Panel::Integration) };
+    let Some(mut window) = window(&both, PANEL, of(Integrals::Errors)) else { return };
+    look(&mut seen, &mut window, "integrals_variance");
+    for (kind, name) in [(Integrals::Frequencies, "frequencies"), (Integrals::Distances, "distances")] {
+        window.state_mut().set_view(of(kind));
+        settle(&mut window);
+        look(&mut seen, &mut window, &format!("integrals_{name}"));
+    }
+    let map = View { attribution: true, ..only(Panel::Spectrum) };
+    window.state_mut().set_view(map);
+    settle(&mut window);
+    look(&mut seen, &mut window, "integrals_map");
+    let below = View { integrand_below: true, integrand: 1, ..only(Panel::Points) };
+    window.state_mut().set_view(below);
+    settle(&mut window);
+    look(&mut seen, &mut window, "integrals_below");
+
+    let removal = format!("{RANDOM}{INTEGRANDS} --intensity formula:0.1+0.9*x --by removal");
+    let below = View { integrand_below: true, ..only(Panel::Points) };
+    let Some(mut window) = self::window(&[&removal], PANEL, below) else { return };
+    look(&mut seen, &mut window, "integrals_removal");
+
+    let Some(mut window) = self::window(&both, SMALL, View { theme: Theme::Dark, ..light() }) else { return };
+    look(&mut seen, &mut window, "integrals_window");
 }
 
 #[test]

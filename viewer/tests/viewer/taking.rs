@@ -129,7 +129,8 @@ const SMALL: &str = "--sampler jittered -n 64 -k 5 --bins 32 --max-frequency 8 -
 
 #[test]
 fn files_are_those_of_the_copied_command() {
-    let (viewer, log) = viewer(request(SMALL));
+    let line = format!("{SMALL} --integrand disk");
+    let (viewer, log) = viewer(request(&line));
     let mut window = open(viewer, 1.0);
     settle(&mut window);
     for panel in Panel::ALL {
@@ -147,7 +148,7 @@ fn files_are_those_of_the_copied_command() {
     );
     let copied = pasted(&command);
     let stats = [Statistic::Pcf, Statistic::Radial, Statistic::Spectrum, Statistic::PcfVector];
-    assert_eq!(copied, Request { stats: stats.to_vec(), ..request(SMALL) });
+    assert_eq!(copied, Request { stats: stats.to_vec(), ..request(&line) });
 
     let saved = std::mem::take(&mut log.borrow_mut().saved);
     let report = by_command(&copied);
@@ -167,6 +168,8 @@ fn files_are_those_of_the_copied_command() {
         "spectrum.png",
         "spectrum_radial.csv",
         "spectrum_radial.svg",
+        "variance.csv",
+        "variance.svg",
     ];
     assert_eq!(names(&of_report), expected);
     // Pictures with axes are made for the viewer, and points go out as they came in.
@@ -178,7 +181,7 @@ fn files_are_those_of_the_copied_command() {
     }
 
     // The comparison can fail.
-    let other = by_command(&Request { input: request(&format!("{SMALL} --seed 2")).input, ..copied });
+    let other = by_command(&Request { input: request(&format!("{line} --seed 2")).input, ..copied });
     assert!(of_report.iter().all(|(name, bytes)| other[*name] != **bytes));
 }
 
@@ -198,13 +201,14 @@ fn what_there_is_none_of_is_disabled_and_says_why() {
     let (viewer, _) = viewer(request("--sampler random -n 64 -k 5 --dim 1 --max-frequency 8"));
     let mut window = open(viewer, 1.0);
     settle(&mut window);
-    let none: [(Panel, &[&str]); 6] = [
+    let none: [(Panel, &[&str]); 7] = [
         (Panel::Points, &["Picture (PNG)", "Numbers (NPY)"]),
         (Panel::Pcf, &["Picture (PNG)", "Numbers (NPY)"]),
         (Panel::Radial, &["Picture (PNG)", "Numbers (NPY)"]),
         (Panel::Anisotropy, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (NPY)"]),
         (Panel::Spectrum, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
         (Panel::Vector, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)"]),
+        (Panel::Integration, &["Figure of the report (SVG)", "Picture (PNG)", "Numbers (CSV)", "Numbers (NPY)"]),
     ];
     // Those that nothing can be drawn in are left out, unless one is asked for.
     assert!(window.query_by_label("Take away P(m)").is_none());
@@ -436,6 +440,10 @@ fn special() -> Value {
             "indices": true,
             "strata": true,
             "links": true,
+            "integrand-below": true,
+            "attribution": true,
+            "integrals": "distances",
+            "integrand": 1,
             "theme": "dark"
         }
     })
@@ -472,12 +480,16 @@ fn a_session_comes_back_as_it_was() {
 fn relative_paths_of_a_session_start_where_it_was_saved() {
     let mut text = special();
     text["folder"] = json!("/elsewhere");
+    let integrands = ["--integrand", "image:file=a b.png", "--integrand", "disk", "--integrand", "table:file=/own.csv"];
+    text["sets"][0]["arguments"].as_array_mut().unwrap().extend(integrands.map(|word| json!(word)));
     let (mut viewer, _) = viewer(request("--sampler jittered -n 16"));
     viewer.open_session(&text.to_string()).unwrap();
     let found: Value = serde_json::from_str(&viewer.session()).unwrap();
     let arguments = found["sets"][2]["arguments"].as_array().unwrap();
     assert_eq!(arguments[2..], [json!("/elsewhere/a b.csv"), json!("/elsewhere/é.npy")]);
     assert_eq!(found["sets"][1], text["sets"][1]);
+    let specs = &viewer.requests().next().unwrap().integrand;
+    assert_eq!(*specs, ["image:file=/elsewhere/a b.png", "disk", "table:file=/own.csv"]);
 }
 
 #[test]
@@ -891,8 +903,10 @@ fn texts(bytes: &[u8]) -> Vec<String> {
 
 #[test]
 fn a_figure_is_what_is_shown() {
-    let (mut viewer, log) = viewer(request(&format!("{SMALL} --unit mm")));
-    viewer.add(request("--sampler random -n 30 -k 3 --bins 32 --max-frequency 8 --lag-bins 16 --unit mm"));
+    let (mut viewer, log) = viewer(request(&format!("{SMALL} --unit mm --integrand disk")));
+    viewer.add(request(
+        "--sampler random -n 30 -k 3 --bins 32 --max-frequency 8 --lag-bins 16 --unit mm --integrand disk",
+    ));
     viewer.set_view(View { theme: Theme::Light, r_scale: AxisScale::Log, ..View::default() });
     let mut window = open(viewer, 1.0);
     settle(&mut window);
@@ -920,6 +934,12 @@ fn a_figure_is_what_is_shown() {
     assert_eq!(picture.matches("<image ").count(), 1);
     let dots = String::from_utf8_lossy(&saved["random_points_shown.svg"]).matches("<circle ").count();
     assert_eq!(dots, 64 + 30);
+    // Of both sets the spectral prediction and what is observed at shifts.
+    let variances = &saved["random_variance_shown.svg"];
+    assert_eq!(String::from_utf8_lossy(variances).matches("<circle ").count(), 4);
+    for expected in ["spectral", "spatial", "shifted", "as it is"] {
+        assert!(texts(variances).iter().any(|text| text == expected), "{expected}: {:?}", texts(variances));
+    }
 
     // Other scales and a zoom are another figure.
     let linear = View { r_scale: AxisScale::Linear, ..window.state().view().clone() };
