@@ -268,7 +268,7 @@ mod tests {
             text: Vec::new(),
         };
         let range = |value: f64| Decades::of(&[bars(value)]);
-        assert_eq!(range(0.011), range(0.012));
+        assert_eq!(range(0.013), range(0.015));
         for value in [1e-9, 0.3, 1.0, 50.0] {
             let range = range(value);
             assert!([value, 1.0].iter().all(|v| (0.005..0.995).contains(&range.place(*v))), "{value}: {range:?}");
