@@ -205,14 +205,16 @@ impl Predicted {
         for name in ["phase", "phase_se", "z"] {
             table = table.optional(name, empty());
         }
-        table
+        let table = table
             .floats("count_term", each.iter().map(|e| e.count_term))
             .optional("var_observed_lo", empty())
             .optional("var_observed_hi", empty())
             .floats("var_random", each.iter().map(|e| e.v0 / self.n))
             .optional("phase_low", empty())
             .floats("tail_axes", each.iter().map(|e| e.tail_axes))
-            .floats("removal", each.iter().map(|e| e.removal))
+            .floats("removal", each.iter().map(|e| e.removal));
+        let more = ["mse_predicted", "mse_predicted_se", "z_as_is", "var_low"];
+        more.into_iter().fold(table, |table, name| table.optional(name, empty()))
     }
 
     /// What is predicted, for a terminal.

@@ -76,9 +76,9 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("taken/summary.json", "{}");
     let table: &[(&str, i32, &str)] = &[
         (
-            "convergence --sampler sobol -n 4 --integrand disk --device cpu",
+            "convergence --sampler jittered -n 15,16 --integrand disk --device cpu",
             2,
-            "-n 4: a slope needs two numbers of points; expected more, as in 2^4..2^12",
+            "-n 16: a slope needs two numbers of points; expected more, as in 2^4..2^12",
         ),
         (
             "convergence --sampler sobol --sampler sobol -n 4..16 --integrand disk --device cpu",
@@ -871,9 +871,34 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "the following required arguments were not provided:",
         ),
         (
-            "integrate --sampler random -n 9 --integrand disk --intensity ramp",
+            "integrate --sampler random -n 9 --integrand disk --intensity ramp --by add",
             2,
-            "--intensity ramp: says how dense points are, not how they are placed; expected --by removal or warp beside it",
+            "--by add: points added to others have another g than these: what is predicted from it would be wrong, even below 0; expected removal, from a parent as dense as the largest value",
+        ),
+        (
+            "integrate --sampler random -n 9 --dim 1 --integrand ramp --intensity interval:x0=0.5,x1=1 --by removal",
+            2,
+            "--intensity interval:x0=0.5,x1=1:",
+        ),
+        (
+            "integrate --sampler random -n 9 --dim 1 --integrand formula:1 --intensity monomial:x=1 --by removal",
+            2,
+            "--intensity monomial:x=1: the integral of f^2 over it does not converge for formula:1:",
+        ),
+        (
+            "integrate --sampler random -n 9 --integrand disk --intensity step:at=0.5 --device cpu",
+            2,
+            "--intensity step:axis=x,at=0.5:",
+        ),
+        (
+            "integrate --sampler random -n 9 --integrand disk --estimator count-ratio",
+            2,
+            "--estimator count-ratio: is for points with weights; expected --weight-column or --intensity beside it, or ratio",
+        ),
+        (
+            "integrate --sampler random -n 9 --box 1,2 --integrand disk --spatial radial",
+            2,
+            "--spatial radial: is for a box of equal sides and points without weights; expected pairs, deposit or none",
         ),
         (
             "integrate --sampler random -n 9 --integrand disk --intensity rmp --by warp",
