@@ -20,6 +20,12 @@ pub struct Removal {
     pub(crate) terms: Vec<Integral>,
 }
 
+/// Parts of its largest value down to which a density is looked at.
+const FLOORS: [f64; 2] = [1e-9, 1e-14];
+
+/// What changes by more from one to the other is taken not to converge.
+const DIVERGES: f64 = 0.02;
+
 impl Removal {
     /// Finds the largest value and the integrals.
     pub(super) fn new(spec: &str, integrands: &[Integrand], estimator: Estimator) -> Result<Self> {
@@ -44,7 +50,8 @@ impl Removal {
                 Estimator::CountRatio => f.value(&x[..dim]) - f.integral() / kept * q(x),
                 _ => f.value(&x[..dim]),
             };
-            let value = |x: [f64; 3]| {
+            let least = std::cell::Cell::new(f64::INFINITY);
+            let value = |x: [f64; 3], floor: f64| {
                 let (q, g) = (q(x), g(x));
                 if g == 0.0 {
                     return 0.0;
@@ -53,14 +60,23 @@ impl Removal {
                     never_sampled.set(Some(x));
                     return 0.0;
                 }
-                g * g * (1.0 / q - 1.0)
+                least.set(least.get().min(q));
+                g * g * (1.0 / q.max(floor) - 1.0)
             };
-            let found = nested(dim, value);
+            let found = nested(dim, |x| value(x, FLOORS[1]));
             if let Some(x) = never_sampled.get() {
                 return Err(never(x, f));
             }
             let scale = f.square_integral().max(f64::MIN_POSITIVE);
-            if !found.value.is_finite() || found.error > 1e-3 * found.value.abs() + 1e-7 * scale {
+            // An integral that converges does not depend on how near to 0 the density is looked at.
+            let apart = match least.get() < FLOORS[0] {
+                true => (found.value - nested(dim, |x| value(x, FLOORS[0])).value).abs(),
+                false => 0.0,
+            };
+            if apart > DIVERGES * found.value.abs()
+                || !found.value.is_finite()
+                || found.error > 1e-3 * found.value.abs() + 1e-7 * scale
+            {
                 let reason = format!(
                     "the integral of f^2 over it does not converge for {}: the variance is infinite; expected a density that is nowhere so much less than f^2",
                     f.spec()

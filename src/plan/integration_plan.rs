@@ -391,7 +391,7 @@ impl Importance {
             Some(By::Removal) => Ok(Some(Self::Removal(Removal::new(spec, integrands, estimator)?))),
             Some(By::Warp) => Ok(Some(Self::Warp(Density::new(spec, dim)?))),
             Some(By::Add) => {
-                let reason = "points added to others have another g than these: what is predicted from it would be wrong, even below 0;                               expected removal, from a parent as dense as the largest value";
+                let reason = "points added to others have another g than these: what is predicted from it would be wrong, even below 0; expected removal, from a parent as dense as the largest value";
                 Err(Error::setting(Setting::By, By::Add, reason))
             }
         }
