@@ -57,10 +57,6 @@ impl Shape for Cells {
         self.square_integral
     }
 
-    fn maximum(&self) -> Option<f64> {
-        self.values.iter().copied().reduce(f64::max)
-    }
-
     fn coefficient(&self, m: [i32; 3]) -> Complex<f64> {
         self.transformed(m) * self.cell(0, m[0]) * self.cell(1, m[1]) * self.cell(2, m[2])
     }

@@ -52,7 +52,7 @@ pub use density::Density;
 pub(crate) use density::nonnegative;
 pub use entry::Entry;
 pub use factors::{Factor, Steps};
-pub(crate) use quadrature::{Integral, nested};
+pub(crate) use quadrature::{Integral, nested, over_cells};
 pub use separable::Separable;
 pub use spec::{Parameter, Takes};
 
@@ -220,6 +220,11 @@ impl Integrand {
         self.shape.separable()
     }
 
+    /// Equal cells per axis on which it is constant, as pictures and tables are.
+    pub(crate) fn cells(&self) -> Option<[usize; 3]> {
+        self.shape.cells().map(|(shape, _)| shape)
+    }
+
     /// f less `scale` times p, under the name of f.
     pub(crate) fn less(&self, p: &Self, scale: f64) -> Self {
         let shape = difference::Difference::new(self.dim, self.shape.clone(), p.shape.clone(), scale);
@@ -265,8 +270,8 @@ impl Integrand {
             }
             best
         };
-        let most = self.shape.maximum().unwrap_or_else(|| climb(most, 1.0).0);
-        (most, climb(least, -1.0))
+        let of_cells = self.shape.cells().and_then(|(_, values)| values.iter().copied().reduce(f64::max));
+        (of_cells.unwrap_or_else(|| climb(most, 1.0).0), climb(least, -1.0))
     }
 
     /// c of `|f_m|^2 ~ |m|^(-d-c)`, averaged over directions: 1 where f jumps, 3 where it has a kink, infinite where it is smooth, across

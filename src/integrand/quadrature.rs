@@ -3,6 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use rayon::prelude::*;
+
 use super::pieces::SPREAD;
 
 /// Places and weights of Gauss's rule on [-1, 1], exact for polynomials up to degree 2 n - 1: Newton's method on Legendre's P_n
@@ -185,6 +187,31 @@ pub(crate) fn nested(dim: usize, f: impl Fn([f64; 3]) -> f64) -> Integral {
     let found = line.along(0, [0.0; 3]);
     let unseen = if line.jumps.get() { [1e-12, 3e-8, 1e-6][dim - 1] * scale } else { 0.0 };
     Integral { error: found.error + unseen, ..found }
+}
+
+/// Places per axis at which a function is looked at, at least, by dimension.
+const PLACES: [usize; 3] = [1 << 18, 4096, 256];
+
+/// The integral of what jumps at the sides of so many equal cells, and seldom within: equally spaced places in each. The error is that of every
+/// other one.
+pub(crate) fn over_cells(dim: usize, shape: [usize; 3], f: impl Fn([f64; 3]) -> f64 + Sync) -> Integral {
+    let sides: [usize; 3] =
+        std::array::from_fn(|k| if k < dim { shape[k] * PLACES[dim - 1].div_ceil(shape[k]) } else { 1 });
+    let slab = |i: usize| {
+        let mut halves = [0.0; 2];
+        for j in 0..sides[1] {
+            for k in 0..sides[2] {
+                let at = [i, j, k];
+                let x = std::array::from_fn(|a| if a < dim { (at[a] as f64 + 0.5) / sides[a] as f64 } else { 0.0 });
+                halves[(i + j + k) % 2] += f(x);
+            }
+        }
+        halves
+    };
+    let slabs: Vec<[f64; 2]> = (0..sides[0]).into_par_iter().map(slab).collect();
+    let [even, odd] = [0, 1].map(|half| slabs.iter().map(|slab| slab[half]).sum::<f64>());
+    let count = sides.iter().product::<usize>() as f64;
+    Integral { value: (even + odd) / count, error: (even - odd).abs() / count }
 }
 
 struct Line<F> {

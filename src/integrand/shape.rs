@@ -60,11 +60,6 @@ pub(super) trait Shape: Send + Sync {
         grid(max, |m| self.coefficient(m))
     }
 
-    /// Its largest value, where it has only so many.
-    fn maximum(&self) -> Option<f64> {
-        None
-    }
-
     /// Its factors, if it is an offset and a product of functions of one coordinate each.
     fn separable(&self) -> Option<&Separable> {
         None

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 use super::density::Density;
 use super::pieces::Known;
-use super::quadrature::{Integrals, over_box};
+use super::quadrature::{Integrals, over_box, over_cells};
 use super::shape::{Shape, grid};
 use super::{Factor, Integrand, Separable};
 use crate::error::{Error, Result};
@@ -79,7 +78,14 @@ impl Warped {
         // Over x, where it is smoother than over u.
         let root = |x: [f64; 3], floor| f.value(&x[..dim]) / density.value(&x[..dim]).max(floor).sqrt();
         let square = match density.constant_on() {
-            Some(shape) => cell_by_cell(f, density, shape),
+            Some(shape) => {
+                let square = |x: [f64; 3]| match density.value(&x[..dim]) {
+                    p if p > 0.0 => f.value(&x[..dim]).powi(2) / p,
+                    _ => 0.0,
+                };
+                let found = over_cells(dim, shape, square);
+                Integrals { first: found.value, second: 0.0, error: found.error }
+            }
             None => converging(f, density, dim, root)?,
         };
         warped.square_integral = square.first;
@@ -123,35 +129,6 @@ fn converging(f: &Integrand, density: &Density, dim: usize, root: impl Fn([f64; 
         return Err(Error::setting(Setting::Intensity, density.spec(), reason));
     }
     Ok(Integrals { first: fine.second, second: 0.0, error: fine.error + apart })
-}
-
-/// Places per axis at which f is looked at, at least, by dimension.
-const PLACES: [usize; 3] = [1 << 18, 4096, 256];
-
-/// The integral of f^2 over a density that is constant on cells: equally spaced places in each. The error is that of every other one.
-fn cell_by_cell(f: &Integrand, density: &Density, shape: [usize; 3]) -> Integrals {
-    let dim = f.dim();
-    let sides: [usize; 3] =
-        std::array::from_fn(|k| if k < dim { shape[k] * PLACES[dim - 1].div_ceil(shape[k]) } else { 1 });
-    let slab = |i: usize| {
-        let mut halves = [0.0; 2];
-        for j in 0..sides[1] {
-            for k in 0..sides[2] {
-                let at = [i, j, k];
-                let x: [f64; 3] =
-                    std::array::from_fn(|a| if a < dim { (at[a] as f64 + 0.5) / sides[a] as f64 } else { 0.0 });
-                let p = density.value(&x[..dim]);
-                if p > 0.0 {
-                    halves[(i + j + k) % 2] += f.value(&x[..dim]).powi(2) / p;
-                }
-            }
-        }
-        halves
-    };
-    let slabs: Vec<[f64; 2]> = (0..sides[0]).into_par_iter().map(slab).collect();
-    let [even, odd] = [0, 1].map(|half| slabs.iter().map(|slab| slab[half]).sum::<f64>());
-    let count = sides.iter().product::<usize>() as f64;
-    Integrals { first: (even + odd) / count, second: 0.0, error: (even - odd).abs() / count }
 }
 
 /// A density of 0 where f is not is a bias that no number of points removes.

@@ -1,10 +1,12 @@
 //! Points as dense as a function, and what estimates integrals from them: each point weighs one over the intensity there.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use super::Estimator;
 use crate::error::{Error, Result};
-use crate::integrand::{Integral, Integrand, nested, nonnegative};
+use crate::integrand::{Integral, Integrand, nested, nonnegative, over_cells};
 use crate::setting::Setting;
 
 /// Points of a parent are kept with probability `density / maximum`, and then weigh `maximum / density`, over what the parent's weigh.
@@ -44,41 +46,40 @@ impl Removal {
             Error::setting(Setting::Intensity, spec, reason)
         };
         let term = |f: &Integrand| {
-            let never_sampled = std::cell::Cell::new(None);
             let g = |x: [f64; 3]| match estimator {
                 Estimator::Ratio => f.value(&x[..dim]) - f.integral(),
                 Estimator::CountRatio => f.value(&x[..dim]) - f.integral() / kept * q(x),
                 _ => f.value(&x[..dim]),
             };
-            let least = std::cell::Cell::new(f64::INFINITY);
+            let never_sampled = OnceLock::new();
             let value = |x: [f64; 3], floor: f64| {
                 let (q, g) = (q(x), g(x));
                 if g == 0.0 {
                     return 0.0;
                 }
                 if q <= 0.0 {
-                    never_sampled.set(Some(x));
+                    never_sampled.get_or_init(|| x);
                     return 0.0;
                 }
-                least.set(least.get().min(q));
                 g * g * (1.0 / q.max(floor) - 1.0)
             };
-            let found = nested(dim, |x| value(x, FLOORS[1]));
+            // What jumps at every pixel is no work for halvings.
+            let [rough, found] = FLOORS.map(|floor| match density.cells() {
+                Some(cells) => over_cells(dim, cells, |x| value(x, floor)),
+                None => nested(dim, |x| value(x, floor)),
+            });
             if let Some(x) = never_sampled.get() {
-                return Err(never(x, f));
+                return Err(never(*x, f));
             }
-            let scale = f.square_integral().max(f64::MIN_POSITIVE);
             // An integral that converges does not depend on how near to 0 the density is looked at.
-            let apart = match least.get() < FLOORS[0] {
-                true => (found.value - nested(dim, |x| value(x, FLOORS[0])).value).abs(),
-                false => 0.0,
-            };
+            let apart = (found.value - rough.value).abs();
+            let scale = f.square_integral().max(f64::MIN_POSITIVE);
             if apart > DIVERGES * found.value.abs()
                 || !found.value.is_finite()
                 || found.error > 1e-3 * found.value.abs() + 1e-7 * scale
             {
                 let reason = format!(
-                    "the integral of f^2 over it does not converge for {}: the variance is infinite; expected a density that is nowhere so much less than f^2",
+                    "the integral of f^2 over it does not converge for {}: the variance is infinite, or not known; expected a density that is nowhere so much less than f^2, or smoother",
                     f.spec()
                 );
                 return Err(Error::setting(Setting::Intensity, spec, reason));

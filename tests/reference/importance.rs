@@ -221,6 +221,34 @@ fn removal_in_closed_form() {
     }
 }
 
+/// A picture as the density: the part that removal adds is a sum over pixels, by hand.
+#[test]
+fn removal_by_a_picture() {
+    let picture = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/pictures/spectrum.png");
+    let line = |integrand: &str, how: &str| {
+        found(&format!("--sampler random -n 40 -k 60 --integrand {integrand} --device cpu --stats counts {how}"))
+    };
+    let spec = format!("image:file={picture}");
+    let image = pairwave::Integrand::new(&spec, 2).unwrap();
+    let side = 2048;
+    let values = (0..side * side)
+        .map(|i| image.value(&[((i % side) as f64 + 0.5) / side as f64, ((i / side) as f64 + 0.5) / side as f64]));
+    let values: Vec<f64> = values.collect();
+    let most = values.iter().fold(0f64, |most, v| most.max(*v));
+    let inside = |i: usize| {
+        let [x, y] = [i % side, i / side].map(|k| (k as f64 + 0.5) / side as f64 - 0.5);
+        x * x + y * y < 0.0625
+    };
+    let sum: f64 = values.iter().enumerate().filter(|(i, _)| inside(*i)).map(|(_, v)| most / v - 1.0).sum();
+    let by_hand = sum / (side * side) as f64;
+    let analysis = line("disk", &format!("--by removal --intensity {spec}"));
+    let e = &each(&analysis)[0];
+    let removal = e.removal.unwrap();
+    assert!((removal.variance * 40.0 / by_hand - 1.0).abs() < 1e-3, "{removal:?}, by hand {by_hand}");
+    assert!(removal.error < 1e-2 * removal.variance);
+    assert!((e.shifted.value - e.closed.value).abs() < 4.5 * e.shifted.se.unwrap(), "{e:?}");
+}
+
 /// Weights that are not one over the intensity are seen by the bias, and said; right ones are not.
 #[test]
 fn wrong_weights_are_said() {
