@@ -9,7 +9,7 @@ use super::Plan;
 use super::plan::{check_convention, check_points};
 use super::ranges::Ranges;
 use super::status::{Status, TrackStatus};
-use crate::accumulate::{Backend, ComputedBy};
+use crate::accumulate::{Backend, ComputedBy, WavePower};
 use crate::compute::{Device, Session};
 use crate::control::{Clock, Control, Instant, Progress};
 use crate::error::{Error, Result, plural};
@@ -67,6 +67,8 @@ pub struct Measurement {
     pub(super) first: Option<Ensemble>,
     /// The realizations that the last step measured.
     batch: Option<Arc<Ensemble>>,
+    /// Power of some of them that one group lends another.
+    lent: Option<(Range<u64>, WavePower)>,
     pub(super) clock: Clock,
     pub(super) warnings: Vec<String>,
 }
@@ -115,6 +117,7 @@ impl Measurement {
             duplicates: 0,
             first: None,
             batch: None,
+            lent: None,
             clock: Clock::default(),
             warnings,
         }
@@ -181,7 +184,7 @@ impl Measurement {
             // Fewer realizations: sums cannot be taken apart again.
             (self.tracks, self.sizes, self.duplicates) = (Vec::new(), BTreeMap::new(), 0);
         }
-        self.batch = None;
+        (self.batch, self.lent) = (None, None);
         self.keep_tracks();
         Ok(())
     }
@@ -248,14 +251,17 @@ impl Measurement {
             }
         };
         told(track.part.stage(), piece);
-        let mut session = Session::new(device, control);
+        let lent = self.lent.take().filter(|(of, _)| *of == range).map(|(_, power)| power);
+        let mut session = Session::new(device, control, lent);
         let start = Instant::now();
         let sums = track.part.measure(&batch, &mut session).await?;
         let seconds = start.elapsed().as_secs_f64();
         track.add(range.clone(), sums)?;
         track.each = seconds / batch.realizations() as f64;
         self.clock.add(track.part.stage(), seconds);
-        for warning in session.into_warnings() {
+        let (warnings, lent) = session.into_parts();
+        self.lent = lent.map(|power| (range, power));
+        for warning in warnings {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use super::cpu::Cpu;
 use super::gpu::{AdapterChoice, GpuCompute};
+use super::integration::integration;
 use super::{Compute, NotHere, Work, binned_kernel, reference::Reference};
 use crate::accumulate::{
     ComputedBy, CountSums, DiscrepancySums, IntegrationSums, IntensityScores, IntensitySums, KernelSums, LagCounts,
@@ -106,11 +107,18 @@ pub(crate) struct Session<'a> {
     device: &'a Device,
     control: &'a Control,
     warnings: Vec<String>,
+    /// Power of the same points that another piece of work had on the way.
+    lent: Option<WavePower>,
 }
 
 impl<'a> Session<'a> {
-    pub(crate) fn new(device: &'a Device, control: &'a Control) -> Self {
-        Self { device, control, warnings: Vec::new() }
+    pub(crate) fn new(device: &'a Device, control: &'a Control, lent: Option<WavePower>) -> Self {
+        Self { device, control, warnings: Vec::new(), lent }
+    }
+
+    /// What was lent, once.
+    pub(crate) fn take_lent(&mut self) -> Option<WavePower> {
+        self.lent.take()
     }
 
     /// As `Control::in_pieces`.
@@ -184,9 +192,22 @@ impl<'a> Session<'a> {
         self.run(Work::Discrepancy(plan), async |c: &dyn Compute| c.discrepancies(plan, ensemble, control).await).await
     }
 
-    pub(crate) async fn integration(&mut self, plan: &IntegrationPlan, ensemble: &Ensemble) -> Result<IntegrationSums> {
-        let control = self.control;
-        self.run(Work::Integration(plan), async |c: &dyn Compute| c.integration(plan, ensemble, control).await).await
+    /// With its power lent to who comes next, if it `lends`.
+    pub(crate) async fn integration(
+        &mut self,
+        plan: &IntegrationPlan,
+        lends: bool,
+        ensemble: &Ensemble,
+    ) -> Result<IntegrationSums> {
+        let (control, cpu) = (self.control, self.device.cpu());
+        // What has no integration of its own gives the power.
+        let work = async |c: &dyn Compute| match c.supports(Work::Integration(plan)) {
+            Ok(()) => c.integration(plan, ensemble, control).await,
+            Err(_) => integration(c, cpu, plan, ensemble, control).await,
+        };
+        let sums = self.run(Work::Waves(&plan.grid), work).await?;
+        self.lent = lends.then(|| sums.grid.clone());
+        Ok(sums)
     }
 
     pub(crate) async fn counts(&mut self, plan: &CountPlan, ensemble: &Ensemble) -> Result<CountSums> {
@@ -204,9 +225,9 @@ impl<'a> Session<'a> {
         self.device.pool().install(|| intensity_scores(search, ensemble, self.control))
     }
 
-    /// What the user should know about who computed.
-    pub(crate) fn into_warnings(self) -> Vec<String> {
-        self.warnings
+    /// What the user should know about who computed, and what is lent.
+    pub(crate) fn into_parts(self) -> (Vec<String>, Option<WavePower>) {
+        (self.warnings, self.lent)
     }
 
     /// A batch at which the device failed has left nothing behind, so it is simply done again.

@@ -9,6 +9,7 @@ mod compensated;
 pub mod cpu;
 mod device;
 pub mod gpu;
+mod integration;
 pub mod neighbors;
 pub mod reference;
 pub(crate) mod shifts;
@@ -43,6 +44,9 @@ pub(crate) fn coprime_from(least: usize, n: usize) -> usize {
 
 /// Sums that may have to be waited for. Not to be sent to another thread: in a browser a device stays where it was opened.
 pub type Pending<'a, T> = Pin<Box<dyn Future<Output = Result<T>> + 'a>>;
+
+/// What looks at the power of one realization, `|s_m|^2` at every stored mode.
+pub type See<'a> = dyn Fn(usize, &[f64]) + Sync + 'a;
 
 /// Sums that are made as soon as somebody asks for them, and are there at once.
 pub(crate) fn at_once<'a, T: 'a>(work: impl FnOnce() -> Result<T> + 'a) -> Pending<'a, T> {
@@ -145,6 +149,17 @@ pub trait Compute: Send + Sync {
         ensemble: &'a Ensemble,
         control: &'a Control,
     ) -> Pending<'a, WavePower>;
+
+    /// The same, where each realization is looked at on the way. On a torus, without tapers.
+    fn wave_power_seen<'a>(
+        &'a self,
+        _plan: &'a WavePlan,
+        _ensemble: &'a Ensemble,
+        _see: &'a See<'a>,
+        _control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        at_once(|| Err(never(self.computed_by(), "wave_power_seen")))
+    }
 
     /// The direct kernel sum at every r of every realization.
     fn kernel_sums<'a>(

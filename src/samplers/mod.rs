@@ -120,18 +120,23 @@ fn in_cell(cell: u64, u: f64, cells: f64) -> f64 {
     x
 }
 
-/// The places of n = k^d cells, the first axis fastest.
+/// The places of n = k^d cells, the first axis fastest: all coordinates of one, then of the next.
 fn cells(n: u64, k: u64, dim: usize) -> impl Iterator<Item = u64> {
-    let mut cell = vec![0; dim];
-    (0..n).flat_map(move |_| {
-        let here = cell.clone();
-        for axis in &mut cell {
-            *axis += 1;
-            if *axis < k {
-                break;
+    let (mut cell, mut axis) = (vec![0; dim], 0);
+    let next = move || {
+        let here = cell[axis];
+        axis += 1;
+        if axis == dim {
+            axis = 0;
+            for place in &mut cell {
+                *place += 1;
+                if *place < k {
+                    break;
+                }
+                *place = 0;
             }
-            *axis = 0;
         }
-        here
-    })
+        Some(here)
+    };
+    std::iter::from_fn(next).take(n as usize * dim)
 }

@@ -19,13 +19,13 @@ impl Waves {
 
     /// Their values at a place, real and imaginary parts.
     pub(super) fn values(&self, x: &[f64], re: &mut [f64], im: &mut [f64]) {
-        let side = 2 * self.reach as usize + 1;
-        let mut table = Vec::with_capacity(side * self.dim);
-        for &x in x {
-            for k in -self.reach..=self.reach {
+        let (reach, side) = (self.reach as usize, 2 * self.reach as usize + 1);
+        let mut table = vec![(1.0, 0.0); side * self.dim];
+        for (&x, table) in x.iter().zip(table.chunks_exact_mut(side)) {
+            for k in 1..=reach {
                 // Products modulo 1 first, so that the angle keeps its digits.
-                let (sin, cos) = (TAU * (f64::from(k) * x).fract()).sin_cos();
-                table.push((cos, sin));
+                let (sin, cos) = (TAU * (k as f64 * x).fract()).sin_cos();
+                (table[reach + k], table[reach - k]) = ((cos, sin), (cos, -sin));
             }
         }
         for ((mode, re), im) in self.modes.chunks_exact(self.dim).zip(re).zip(im) {

@@ -343,6 +343,11 @@ impl Parts {
         self.0.push(Box::new(group));
     }
 
+    /// Adds one that is measured before all others.
+    pub(crate) fn add_first(&mut self, group: impl Group) {
+        self.0.insert(0, Box::new(group));
+    }
+
     pub(crate) fn push(&mut self, part: Box<dyn Part>) {
         self.0.push(part);
     }
@@ -350,6 +355,11 @@ impl Parts {
     /// The plan of one group.
     pub(crate) fn get<G: Group>(&self) -> Option<&G> {
         self.iter().find_map(|part| (part as &dyn Any).downcast_ref())
+    }
+
+    /// The same, to change it.
+    pub(crate) fn get_mut<G: Group>(&mut self) -> Option<&mut G> {
+        self.0.iter_mut().find_map(|part| (part.as_mut() as &mut dyn Any).downcast_mut())
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &dyn Part> {

@@ -4,6 +4,7 @@
 mod common;
 
 mod device;
+mod integration;
 mod lag_counts;
 mod pair_counts;
 mod shader_layouts;

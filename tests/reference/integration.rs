@@ -367,3 +367,33 @@ fn parts_are_the_whole() {
     assert_eq!(whole.realizations, parts.realizations);
     assert_eq!(whole.grid.mode_totals(), parts.grid.mode_totals());
 }
+
+/// P and integration errors are of one transform where their frequencies are the same: the plan says so, and no byte of P differs.
+#[test]
+fn power_is_computed_once() {
+    let line = "--sampler jittered -n 64 -k 40 --device cpu --stats spectrum,radial,pcf";
+    let plan = |line: &str| {
+        let request = request(line);
+        pairwave::analysis::Plan::of(&request, &Points::open(&request.input).unwrap()).unwrap().to_string()
+    };
+    let said = "skipped: integration errors have it on the way";
+    let with = format!("{line} --integrand disk --integrand ramp");
+    assert!(plan(&with).contains(said) && !plan(line).contains(said), "{}", plan(&with));
+    let (alone, together) = (files(&found(line)), files(&found(&with)));
+    assert!(["spectrum.npy", "spectrum_radial.csv", "pcf.csv"].iter().all(|name| alone.contains_key(*name)));
+    let differing: Vec<&String> =
+        alone.iter().filter(|(name, bytes)| together[*name] != **bytes).map(|f| f.0).collect();
+    assert!(differing.is_empty(), "{differing:?}");
+    // Not where they are other sums: rings alone, weights of their own, another convention.
+    for other in [
+        "--sampler jittered -n 64 -k 40 --device cpu --stats radial --integrand disk",
+        "--sampler jittered -n 64 -k 40 --device cpu --stats spectrum --integrand disk --intensity gaussian:sigma=0.5",
+        "--sampler jittered -n 64 -k 40 --device cpu --stats spectrum --integrand disk --inhomogeneous gaussian:sigma=0.5",
+    ] {
+        assert!(!plan(other).contains(said), "{other}");
+    }
+    let line = "--sampler jittered -n 64 -k 20 --device cpu --stats spectrum";
+    let weighted = format!("{line} --integrand disk --intensity gaussian:sigma=0.5");
+    let (alone, together) = (files(&found(line)), files(&found(&weighted)));
+    assert_eq!(alone["spectrum.npy"], together["spectrum.npy"]);
+}

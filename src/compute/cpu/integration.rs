@@ -1,5 +1,5 @@
-//! Integration errors. Formulas: see `reference`. Power comes from the transforms of spectra, a realization at a time; pairs in rows of
-//! lags; everything else is one loop over points.
+//! What points and pairs add to integration errors. Formulas: see `reference`. Pairs come in rows of lags; everything else is one loop
+//! over points.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use super::Cpu;
 use super::lag_deposit::deposit;
 use super::pair_counts::pair_counts;
-use super::wave_power::{WavePoints, amplitudes, wave_power_seen};
-use crate::accumulate::{IntegrandSums, IntegrationSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
+use super::wave_power::{WavePoints, amplitudes};
+use crate::accumulate::{IntegrandSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
 use crate::compute::compensated::Compensated;
-use crate::compute::shifts::{lot, places, random_shift, weighted, weights, wrapped};
+use crate::compute::shifts::{lot, places, random_shift, weights, wrapped};
 use crate::control::Control;
 use crate::error::Result;
 use crate::integrand::Integrand;
-use crate::plan::{Estimator, IntegrationPlan, PairPlan, PairSum, Removal, WavePlan, WaveVectors};
+use crate::plan::{Estimator, IntegrationPlan, PairPlan, PairSum, Removal, WaveVectors};
 use crate::points::Ensemble;
 
 /// Lags looked up at a time.
@@ -27,51 +27,26 @@ const CHUNK: usize = 256;
 /// Sums taken side by side.
 const LANES: usize = 8;
 
-pub(super) fn integration(
+/// What points and pairs alone give, of realizations that weigh what the plan says; and the pairs of all by their lags.
+pub(in crate::compute) fn realizations(
     cpu: &Cpu,
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     control: &Control,
-) -> Result<IntegrationSums> {
-    let (count, many) = (ensemble.realizations(), plan.averaged.len());
-    // The transform, one per axis, and the points.
-    control.in_pieces(2 + plan.axes.len());
-    let ensemble = weighted(plan, ensemble)?;
-    let unit = ensemble.weight_unit();
-    let seen = |waves: &WavePlan, points: &Ensemble, table: &(dyn Fn(usize) -> Vec<f64> + Sync)| {
-        let tables: Vec<Vec<f64>> = (0..many).map(table).collect();
-        let dots = Mutex::new(vec![vec![0.0; many]; count]);
-        let see = |k: usize, power: &[f64]| {
-            let of_all: Vec<f64> = tables.iter().map(|table| dot(table, power) * unit * unit).collect();
-            dots.lock().unwrap_or_else(PoisonError::into_inner)[k] = of_all;
-        };
-        let sums = wave_power_seen(cpu, waves, points, control, &see)?;
-        Ok::<_, crate::error::Error>((sums, dots.into_inner().unwrap_or_else(PoisonError::into_inner)))
-    };
-    let (grid, on_grid) = seen(&plan.grid, &ensemble, &|i| plan.tables[i].grid.clone())?;
-    let mut axes = Vec::new();
-    let mut on_axes = vec![vec![0.0; many]; count];
-    for (a, waves) in plan.axes.iter().enumerate() {
-        let (sums, dots) = seen(waves, &ensemble.on_axis(a, &waves.domain), &|i| plan.tables[i].axes[a].clone())?;
-        axes.push(sums);
-        on_axes.iter_mut().zip(dots).for_each(|(all, more)| all.iter_mut().zip(more).for_each(|(a, b)| *a += b));
-    }
+) -> Result<(Vec<RealizationSums>, Vec<i64>)> {
+    let count = ensemble.realizations();
     let lags = Mutex::new(vec![0i64; plan.lag_nodes().map_or(0, |nodes| nodes.pow(plan.domain.dim() as u32))]);
     let of_points = |k: usize| {
-        let mut sums = of_points(cpu, plan, &ensemble, k, &lags, control)?;
-        for (i, sums) in sums.each.iter_mut().enumerate() {
-            (sums.grid, sums.axes) = (on_grid[k][i], on_axes[k][i]);
-        }
+        let sums = of_points(cpu, plan, ensemble, k, &lags, control)?;
         control.advance(1.0 / count as f64);
         Ok(sums)
     };
-    let realizations = cpu.pool.install(|| (0..count).into_par_iter().map(of_points).collect::<Result<Vec<_>>>())?;
-    let lags = lags.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(IntegrationSums { grid, axes, integrands: many, unit, lags, realizations })
+    let all = cpu.pool.install(|| (0..count).into_par_iter().map(of_points).collect::<Result<Vec<_>>>())?;
+    Ok((all, lags.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
 /// A sum of products whose rounding does not grow with its length.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(in crate::compute) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let lanes = |(a, b): (&[f64], &[f64])| {
         let (a, rest_a) = a.as_chunks::<LANES>();
         let (b, rest_b) = b.as_chunks::<LANES>();

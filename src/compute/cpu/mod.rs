@@ -37,12 +37,13 @@ mod wave_product;
 mod wave_terms;
 
 pub(crate) use discrepancy::Cube;
+pub(super) use integration::{dot, realizations};
 pub use simd::SimdLevel;
 #[doc(hidden)]
 pub use simd::fma_gflop;
 
 use super::neighbors::neighbor_sums;
-use super::{Compute, NotHere, Pending, Work, at_once};
+use super::{Compute, NotHere, Pending, See, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy, LevelCounts, RealizationDiscrepancy};
 use crate::accumulate::{
     CountSums, DiscrepancySums, IntegrationSums, IntensitySums, KernelSums, LagCounts, NeighborSums, PairCounts,
@@ -158,6 +159,16 @@ impl Compute for Cpu {
         })
     }
 
+    fn wave_power_seen<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        see: &'a See<'a>,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
+        at_once(|| wave_power::wave_power_seen(self, plan, ensemble, control, see))
+    }
+
     fn kernel_sums<'a>(
         &'a self,
         plan: &'a KernelPlan,
@@ -200,7 +211,7 @@ impl Compute for Cpu {
         ensemble: &'a Ensemble,
         control: &'a Control,
     ) -> Pending<'a, IntegrationSums> {
-        at_once(|| integration::integration(self, plan, ensemble, control))
+        Box::pin(super::integration::integration(self, self, plan, ensemble, control))
     }
 
     fn counts<'a>(

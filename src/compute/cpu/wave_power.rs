@@ -13,8 +13,8 @@ use super::nufft::{self, Nufft};
 use super::wave_product::{self, Product};
 use super::wave_terms::Terms;
 use crate::accumulate::WavePower;
-use crate::compute::Compute;
 use crate::compute::compensated::total;
+use crate::compute::{Compute, See};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
@@ -182,9 +182,6 @@ type MethodKey = (WaveMethod, usize);
 pub(super) fn wave_power(cpu: &Cpu, plan: &WavePlan, ensemble: &Ensemble, control: &Control) -> Result<WavePower> {
     wave_power_seen(cpu, plan, ensemble, control, &|_, _| ())
 }
-
-/// What looks at `|s_m|^2` of one realization, at every stored mode.
-pub(super) type See<'a> = dyn Fn(usize, &[f64]) + Sync + 'a;
 
 /// The same, where each realization is looked at on the way.
 pub(super) fn wave_power_seen(

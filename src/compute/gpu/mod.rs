@@ -30,7 +30,7 @@ pub use device::{AdapterChoice, AdapterSummary, Gpu, adapters};
 pub use kernel::{Kernel, KernelSpec, SHADER_FILES, ShaderFile};
 pub use probe::{Check, Verdict};
 
-use super::{Compute, NotHere, Pending, Work, at_once};
+use super::{Compute, NotHere, Pending, See, Work, at_once};
 use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::control::Control;
@@ -231,9 +231,19 @@ impl Compute for GpuCompute {
         ensemble: &'a Ensemble,
         control: &'a Control,
     ) -> Pending<'a, WavePower> {
+        self.wave_power_seen(plan, ensemble, &|_, _| (), control)
+    }
+
+    fn wave_power_seen<'a>(
+        &'a self,
+        plan: &'a WavePlan,
+        ensemble: &'a Ensemble,
+        see: &'a See<'a>,
+        control: &'a Control,
+    ) -> Pending<'a, WavePower> {
         match self.supports(Work::Waves(plan)) {
             Err(NotHere::Because(reason)) => at_once(move || Err(self.gpu.error("wave_power", reason))),
-            _ => Box::pin(wave_power::wave_power(self, plan, ensemble, control)),
+            _ => Box::pin(wave_power::wave_power(self, plan, ensemble, see, control)),
         }
     }
 }

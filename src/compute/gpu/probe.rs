@@ -305,7 +305,7 @@ async fn power_of(
     let domain = ensemble.domain();
     let plan = WavePlan::new(domain, WaveGrid::new(grid)?, accuracy, shape)?;
     let truth = Reference.wave_power(&plan, ensemble, &Control::default()).await?.mode_totals();
-    let here = wave_power::wave_power(compute, &plan, ensemble, &Control::default()).await?.mode_totals();
+    let here = wave_power::wave_power(compute, &plan, ensemble, &|_, _| (), &Control::default()).await?.mode_totals();
     let n: f64 = (0..ensemble.realizations()).map(|k| ensemble.norm(k)).sum();
     let (mut worst, mut zero) = (0f64, 0f64);
     for (a, b) in truth.q.iter().zip(&here.q) {

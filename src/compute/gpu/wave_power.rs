@@ -10,7 +10,7 @@ use super::wave_specs::{self, Blocks, FOLD_NAME, FOLD_WORKGROUP, LISTS, NAME, PA
 use super::{GpuCompute, MAX_GROUPS};
 use crate::accumulate::WavePower;
 use crate::compute::compensated::Compensated;
-use crate::compute::{Compute, coprime_from};
+use crate::compute::{Compute, See, coprime_from};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{Accuracy, WaveGrid, WavePlan};
@@ -20,6 +20,7 @@ pub(super) async fn wave_power(
     compute: &GpuCompute,
     plan: &WavePlan,
     ensemble: &Ensemble,
+    see: &See<'_>,
     control: &Control,
 ) -> Result<WavePower> {
     let gpu = compute.gpu();
@@ -81,6 +82,7 @@ pub(super) async fn wave_power(
                 Some(weights) => weights.iter().copied().collect::<Compensated>().sum().powi(2),
                 None => (sizes[k] as f64).powi(2),
             };
+            see(k, power);
             result.add(ensemble.first_index() + k as u64, ensemble.norm(k), power.as_slice(), &plan.rings);
         }
         first = end;

@@ -5,13 +5,14 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, IntegrationSums, WavePower};
-use crate::compute::Session;
+use crate::compute::{Compute, Session};
 use crate::error::{Result, number};
 use crate::estimate::{Analysis, IntegrationErrors};
 use crate::plan::{Batch, Importance, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 use crate::statistics::group::{Ask, Group, Parts, Subject, digest};
+use crate::statistics::waves::Waves;
 
 /// Standard errors beyond which a difference is said to be one.
 const SURE: f64 = 5.0;
@@ -21,7 +22,11 @@ const SHIFTS: u32 = 16;
 
 /// The plan.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Integration(IntegrationPlan);
+pub(crate) struct Integration {
+    plan: IntegrationPlan,
+    /// Whether the power on its grid is that of P.
+    lends: bool,
+}
 
 /// Plans them, if an integrand is named.
 pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
@@ -44,7 +49,17 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
         memory: request.memory(),
         equal: ask.shape.mean_points == ask.shape.max_points as f64,
     };
-    parts.add(Integration(IntegrationPlan::new(ask.domain, settings, ask.shape)?));
+    let mut plan = IntegrationPlan::new(ask.domain, settings, ask.shape)?;
+    let weighs_anew = matches!(plan.importance, Some(Importance::Known(_))) || request.input.is_inhomogeneous();
+    let lent = parts.get_mut::<Waves>().filter(|_| !weighs_anew);
+    let lends = match lent.and_then(|waves| waves.borrow(&plan.grid)) {
+        Some(waves) => {
+            plan.grid = waves.clone();
+            true
+        }
+        None => false,
+    };
+    parts.add_first(Integration { plan, lends });
     Ok(())
 }
 
@@ -60,7 +75,7 @@ impl Group for Integration {
     }
 
     fn identity(&self) -> Value {
-        let plan = &self.0;
+        let plan = &self.plan;
         let of = |i: &crate::integrand::Integrand| json!([i.spec(), i.integral(), i.square_integral()]);
         let pairs = match plan.pairs {
             PairSum::Exact => json!("exact"),
@@ -83,23 +98,28 @@ impl Group for Integration {
             "estimator": plan.importance.is_some().then(|| plan.estimator.name()),
             "pairs": pairs,
             "accuracy": plan.grid.accuracy.name(),
+            "sectors": plan.grid.rings.sectors.count,
         })
     }
 
     fn batch(&self) -> Batch {
-        self.0.batch
+        self.plan.batch
+    }
+
+    fn suit(&mut self, compute: &dyn Compute) {
+        self.plan.grid.costs = compute.wave_costs();
     }
 
     fn seconds(&self, n: f64) -> f64 {
-        self.0.seconds(n)
+        self.plan.seconds(n)
     }
 
     fn none(&self, by: ComputedBy) -> IntegrationSums {
         let none = |plan: &WavePlan| WavePower::new(by.clone(), plan.waves.len(), &plan.rings);
         IntegrationSums {
-            grid: none(&self.0.grid),
-            axes: self.0.axes.iter().map(none).collect(),
-            integrands: self.0.integrands.len(),
+            grid: none(&self.plan.grid),
+            axes: self.plan.axes.iter().map(none).collect(),
+            integrands: self.plan.integrands.len(),
             unit: 1.0,
             lags: Vec::new(),
             realizations: Vec::new(),
@@ -107,11 +127,11 @@ impl Group for Integration {
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<IntegrationSums> {
-        session.integration(&self.0, batch).await
+        session.integration(&self.plan, self.lends, batch).await
     }
 
     fn estimate(&self, sums: &IntegrationSums, _: &Subject<'_>, found: &mut Analysis) {
-        found.findings.add(IntegrationErrors::new(&self.0, sums));
+        found.findings.add(IntegrationErrors::new(&self.plan, sums));
     }
 
     fn warnings(&self, _: &IntegrationSums, subject: &Subject<'_>, _: &Parts, found: &Analysis) -> Vec<String> {
@@ -195,6 +215,6 @@ impl Group for Integration {
 
 impl fmt::Display for Integration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        self.plan.fmt(f)
     }
 }

@@ -23,6 +23,8 @@ pub(crate) struct Waves {
     pub(crate) plan: WavePlan,
     /// Whether P itself is wanted, not only its rings.
     grid_wanted: bool,
+    /// Whether integration errors, which are measured first, have it on the way.
+    lent: bool,
 }
 
 /// Plans them, if they are wanted.
@@ -34,7 +36,7 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
             None => e,
         })?;
         let plan = WavePlan { rings_only: !grid_wanted && plan.rings.count > 0, ..plan };
-        parts.add(Waves { plan, grid_wanted });
+        parts.add(Waves { plan, grid_wanted, lent: false });
     }
     Ok(())
 }
@@ -120,7 +122,10 @@ impl Group for Waves {
     }
 
     async fn measure(&self, batch: &Ensemble, session: &mut Session<'_>) -> Result<WavePower> {
-        session.wave_power(&self.plan, batch).await
+        match session.take_lent().filter(|_| self.lent) {
+            Some(power) => Ok(power),
+            None => session.wave_power(&self.plan, batch).await,
+        }
     }
 
     fn estimate(&self, sums: &WavePower, subject: &Subject<'_>, found: &mut Analysis) {
@@ -173,7 +178,7 @@ impl Group for Waves {
     }
 
     fn seconds(&self, n: f64) -> f64 {
-        self.plan.seconds(n)
+        if self.lent { 0.0 } else { self.plan.seconds(n) }
     }
 
     fn kept(&self, sums: &WavePower, wanted: &Self, sizes: &mut dyn Iterator<Item = u64>) -> Option<Kept<Self>> {
@@ -195,6 +200,14 @@ impl Group for Waves {
 }
 
 impl Waves {
+    /// The plan of all of P, marked as lent, if `grid` asks for the same modes just as well.
+    pub(crate) fn borrow(&mut self, grid: &WavePlan) -> Option<&WavePlan> {
+        let plan = &self.plan;
+        let plain = plan.tapered().is_none() && !plan.conventions.foreign && !plan.rings_only;
+        self.lent = plain && plan.waves == grid.waves && plan.accuracy == grid.accuracy;
+        self.lent.then_some(&self.plan)
+    }
+
     /// What theory says of the mean of P over each ring, on a cubic torus.
     fn closed_form(&self, subject: &Subject<'_>) -> Option<Vec<f64>> {
         let process = subject.closed_forms()?;
@@ -210,6 +223,7 @@ impl Waves {
 
 impl fmt::Display for Waves {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.plan.fmt(f)
+        self.plan.fmt(f)?;
+        if self.lent { writeln!(f, "  skipped: integration errors have it on the way") } else { Ok(()) }
     }
 }
