@@ -15,7 +15,7 @@ pub struct IntegrationSums {
     pub integrands: usize,
     /// What weights are measured in there, a power of two; 1 without weights.
     pub unit: f64,
-    /// Pairs i < j of all realizations around each node of lags (x fastest), times their weights over `unit`, in steps of `LAG_STEP`: integers,
+    /// Pairs i < j of all realizations around each node of half a grid of lags (x fastest, the last component 0 to half a side), times their weights over `unit`, in steps of `LAG_STEP`: integers,
     /// whose sum does not depend on order. Empty where they are not deposited.
     pub lags: Vec<i64>,
     /// Ordered by index.

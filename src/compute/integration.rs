@@ -1,5 +1,6 @@
 //! Integration errors by a device that computes power, a realization at a time, and the CPU path for what points and pairs add.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::Compute;
@@ -10,6 +11,21 @@ use crate::control::Control;
 use crate::error::Result;
 use crate::plan::{IntegrationPlan, WavePlan};
 use crate::points::Ensemble;
+
+/// Zeros in a row that are worth a jump.
+const GAP: usize = 64;
+
+/// Where a table is not 0: few integrands have more than a part of the frequencies.
+fn runs(table: &[f64]) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for at in (0..table.len()).filter(|&at| table[at] != 0.0) {
+        match runs.last_mut() {
+            Some(run) if at < run.end + GAP => run.end = at + 1,
+            _ => runs.push(at..at + 1),
+        }
+    }
+    runs
+}
 
 /// The sums of every realization. Power along axes alone is a small transform, which the CPU path does.
 pub(super) async fn integration(
@@ -25,8 +41,13 @@ pub(super) async fn integration(
     let unit = ensemble.weight_unit();
     let seen = async |device: &dyn Compute, waves: &WavePlan, points: &Ensemble, tables: &[&[f64]]| {
         let dots = Mutex::new(vec![Vec::new(); points.realizations()]);
+        let runs: Vec<Vec<Range<usize>>> = tables.iter().map(|table| runs(table)).collect();
         let see = |k: usize, power: &[f64]| {
-            let of_all = tables.iter().map(|table| cpu::dot(table, power) * unit * unit).collect();
+            let product = |(table, runs): (&&[f64], &Vec<Range<usize>>)| {
+                let of_run = |run: &Range<usize>| cpu::dot(&table[run.clone()], &power[run.clone()]);
+                runs.iter().map(of_run).sum::<f64>() * unit * unit
+            };
+            let of_all = tables.iter().zip(&runs).map(product).collect();
             dots.lock().unwrap_or_else(PoisonError::into_inner)[k] = of_all;
         };
         let sums = device.wave_power_seen(waves, points, &see, control).await?;
@@ -49,4 +70,20 @@ pub(super) async fn integration(
         }
     }
     Ok(IntegrationSums { grid, axes, integrands: plan.tables.len(), unit, lags, realizations })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::runs;
+
+    #[test]
+    fn zeros_are_jumped_over() {
+        let mut table = vec![0.0; 300];
+        assert!(runs(&table).is_empty() && runs(&[]).is_empty());
+        for at in [3, 5, 200, 299] {
+            table[at] = 1.0;
+        }
+        assert_eq!(runs(&table), [3..6, 200..201, 299..300]);
+        assert!(matches!(&*runs(&[1.0; 80]), [all] if *all == (0..80)));
+    }
 }

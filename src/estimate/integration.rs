@@ -531,7 +531,8 @@ fn lag_shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> Vec<L
     // c varies where n does: then this is its mean.
     let squared: f64 = totals.factors.iter().map(|f| f.c * f.c).sum::<f64>() / totals.factors.len() as f64;
     let scale = 2.0 * squared * totals.unit * totals.unit * LAG_STEP / totals.counted.len() as f64;
-    let uniform = totals.lags.iter().map(|count| *count as f64).sum::<f64>() / totals.lags.len() as f64;
+    let all = side.pow(dim as u32) as f64;
+    let uniform = totals.lags.iter().map(|count| *count as f64).sum::<f64>() / all;
     let width = 0.5 / SHELLS_TO_HALF as f64;
     let shells = ((dim as f64).sqrt() * SHELLS_TO_HALF as f64).ceil() as usize + 1;
     let (mut variances, mut excess, mut count) = (vec![0.0; shells], vec![0.0; shells], vec![0.0; shells]);
@@ -542,9 +543,10 @@ fn lag_shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable) -> Vec<L
         };
         let r = (0..dim).map(|a| along(a).powi(2)).sum::<f64>().sqrt();
         let shell = ((r / width) as usize).min(shells - 1);
-        variances[shell] += scale * (*pairs as f64 - uniform) * b;
-        excess[shell] += b;
-        count[shell] += 1.0;
+        let times = totals.plan.lag_multiplicity(node);
+        variances[shell] += scale * (*pairs as f64 - times * uniform) * b;
+        excess[shell] += times * b;
+        count[shell] += times;
     }
     (0..shells)
         .filter(|&k| count[k] > 0.0)

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use errorfunctions::ComplexErrorFunctions;
 use rustfft::num_complex::Complex;
 
-use super::shape::{nearest, turn, wrap};
+use super::elementary::{Images, LANES, REACH, cosine_of_turns, times_cosine, times_interval, times_steps};
+use super::shape::{turn, wrap};
 use crate::fourier::transform;
 use crate::sinc::sinc;
 
@@ -73,47 +74,50 @@ impl Steps {
     }
 }
 
-/// Beyond this many sigmas a Gaussian is below rounding.
-const REACH: f64 = 9.0;
-
 impl Factor {
     /// Its value at `x` in [0, 1).
     pub fn value(&self, x: f64) -> f64 {
+        let mut value = [1.0];
+        self.times(&[x], &mut value);
+        value[0]
+    }
+
+    /// Multiplies `out` by its values at `x`, at most `LANES` of them.
+    fn times(&self, x: &[f64], out: &mut [f64]) {
+        let each = out.iter_mut().zip(x);
         match self {
-            Self::One => 1.0,
-            Self::Interval { lo, hi } => f64::from(u8::from(*lo <= x && x < *hi)),
-            Self::Power(p) => x.powi(*p as i32),
-            Self::Cosine { k, phase } => (TAU * nearest(f64::from(*k) * x) + phase).cos(),
-            Self::Gaussian { sigma, center } => Images::new(*sigma).at(x - center),
-            Self::CutGaussian { sigma, center } => (-0.5 * ((x - center) / sigma).powi(2)).exp(),
-            Self::Steps(steps) => {
-                let n = steps.values.len();
-                steps.values[((x * n as f64) as usize).min(n - 1)]
+            Self::One => (),
+            Self::Interval { lo, hi } => times_interval(x, *lo, *hi, out),
+            Self::Power(1) => each.for_each(|(out, x)| *out *= x),
+            Self::Power(p) => each.for_each(|(out, x)| *out *= x.powi(*p as i32)),
+            Self::Cosine { k, phase } => times_cosine(x, f64::from(*k), phase / TAU, out),
+            Self::Gaussian { sigma, center } => Images::new(*sigma).times(x, *center, 1.0, out),
+            Self::CutGaussian { sigma, center } => {
+                each.for_each(|(out, x)| *out *= (-0.5 * ((x - center) / sigma).powi(2)).exp());
             }
+            Self::Steps(steps) => times_steps(x, &steps.values, out),
         }
     }
 
-    /// Multiplies `out` by its values at one coordinate of places. What kind it is is asked once.
+    /// Multiplies `out` by its values at one coordinate of places.
     pub(super) fn times_values(&self, x: &[[f64; 3]], axis: usize, out: &mut [f64]) {
-        let each = out.iter_mut().zip(x);
-        match self {
-            Self::Gaussian { sigma, center } => {
-                let images = Images::new(*sigma);
-                each.for_each(|(out, x)| *out *= images.at(x[axis] - center));
-            }
-            _ => each.for_each(|(out, x)| *out *= self.value(x[axis])),
-        }
+        by_lanes(x, axis, out, |x, out| self.times(x, out));
     }
 
     /// The same by its autocorrelation at lags anywhere.
     pub(super) fn times_autocorrelations(&self, r: &[[f64; 3]], axis: usize, out: &mut [f64]) {
-        let each = out.iter_mut().zip(r);
         match self {
             Self::Gaussian { sigma, .. } => {
-                let images = Images::new(sigma * std::f64::consts::SQRT_2);
-                each.for_each(|(out, r)| *out *= PI.sqrt() * sigma * images.at(r[axis]));
+                let (images, factor) = (Images::new(sigma * std::f64::consts::SQRT_2), PI.sqrt() * sigma);
+                by_lanes(r, axis, out, |r, out| images.times(r, 0.0, factor, out));
             }
-            _ => each.for_each(|(out, r)| *out *= self.autocorrelation(wrap(r[axis]))),
+            Self::Cosine { k, .. } => {
+                by_lanes(r, axis, out, |r, out| {
+                    times_cosine(r, f64::from(*k), 0.0, out);
+                    out.iter_mut().for_each(|a| *a *= 0.5);
+                });
+            }
+            _ => out.iter_mut().zip(r).for_each(|(out, r)| *out *= self.autocorrelation(wrap(r[axis]))),
         }
     }
 
@@ -198,9 +202,13 @@ impl Factor {
                 (w - r).max(0.0) + (w + r - 1.0).max(0.0)
             }
             Self::Power(p) => power_autocorrelation(*p as i32, r),
-            Self::Cosine { k, .. } => 0.5 * (TAU * nearest(f64::from(*k) * r)).cos(),
+            Self::Cosine { k, .. } => 0.5 * cosine_of_turns(f64::from(*k) * r),
             // The product of two Gaussians is one that is wider by sqrt 2, of their distance.
-            Self::Gaussian { sigma, .. } => PI.sqrt() * sigma * Images::new(sigma * std::f64::consts::SQRT_2).at(r),
+            Self::Gaussian { sigma, .. } => {
+                let mut a = [1.0];
+                Images::new(sigma * std::f64::consts::SQRT_2).times(&[r], 0.0, PI.sqrt() * sigma, &mut a);
+                a[0]
+            }
             Self::CutGaussian { sigma, center } => {
                 let part = |from: f64, to: f64, t: f64| {
                     let at = |x: f64| libm::erf((x + t - center) / sigma);
@@ -226,43 +234,12 @@ impl Factor {
     }
 }
 
-/// `sum_j exp(-(x + j)^2 / 2 s^2) = exp(-x^2 / 2 s^2) (1 + 2 sum_(j > 0) exp(-j^2 / 2 s^2) cosh(j x / s^2))`, ready for many x.
-struct Images {
-    scale: f64,
-    slope: f64,
-    /// `exp(-j^2 / 2 s^2)` from j = 1 on, as far as it counts.
-    far: [f64; MOST_IMAGES],
-    reach: usize,
-}
-
-/// Images to each side, at most: sigma is at most the root of 2.
-const MOST_IMAGES: usize = 14;
-
-impl Images {
-    #[inline]
-    fn new(sigma: f64) -> Self {
-        let scale = -0.5 / (sigma * sigma);
-        let reach = ((0.5 + REACH * sigma) as usize).min(MOST_IMAGES);
-        let far = std::array::from_fn(|j| if j < reach { (scale * ((j + 1) * (j + 1)) as f64).exp() } else { 0.0 });
-        Self { scale, slope: -2.0 * scale, far, reach }
-    }
-
-    #[inline]
-    fn at(&self, x: f64) -> f64 {
-        let x = nearest(x);
-        let near = (self.scale * x * x).exp();
-        if self.reach == 0 {
-            return near;
-        }
-        let right = (self.slope * x).exp();
-        let left = 1.0 / right;
-        let (mut a, mut b, mut sum) = (1.0, 1.0, 1.0);
-        for far in &self.far[..self.reach] {
-            a *= right;
-            b *= left;
-            sum += far * (a + b);
-        }
-        near * sum
+/// Calls `times` with one coordinate of some places at a time, side by side.
+fn by_lanes(x: &[[f64; 3]], axis: usize, out: &mut [f64], mut times: impl FnMut(&[f64], &mut [f64])) {
+    let mut one = [0.0; LANES];
+    for (x, out) in x.chunks(LANES).zip(out.chunks_mut(LANES)) {
+        one.iter_mut().zip(x).for_each(|(one, x)| *one = x[axis]);
+        times(&one[..x.len()], out);
     }
 }
 

@@ -15,6 +15,7 @@ mod cut_gaussian;
 mod density;
 mod difference;
 mod disk;
+mod elementary;
 mod entry;
 mod expression;
 mod factors;

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use rustfft::num_complex::Complex;
 
+use super::elementary::{self, nearest};
 use super::quadrature::gauss;
-use super::shape::{Shape, nearest, phase, turn};
+use super::shape::{Shape, phase, turn};
 
 /// `(1 - |x - c|^2 / R^2)^q` inside the ball of radius R about c, R at most 1/2; q = 0 is the ball itself.
 pub(super) struct Radial {
@@ -59,8 +60,13 @@ impl Radial {
 
 impl Shape for Radial {
     fn value(&self, x: [f64; 3]) -> f64 {
-        let d2: f64 = (0..self.dim).map(|k| nearest(x[k] - self.center[k]).powi(2)).sum();
-        if d2 < self.radius * self.radius { (1.0 - d2 / (self.radius * self.radius)).powi(self.q as i32) } else { 0.0 }
+        let mut value = [0.0];
+        self.values(&[x], &mut value);
+        value[0]
+    }
+
+    fn values(&self, x: &[[f64; 3]], out: &mut [f64]) {
+        elementary::radial(x, self.center, self.radius, self.q, out);
     }
 
     fn integral(&self) -> f64 {

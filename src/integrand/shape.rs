@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 use super::Separable;
+use super::elementary::nearest;
 
 /// A function on the unit box, made ready. Axes that the box lacks have coordinate, lag and frequency 0.
 pub(super) trait Shape: Send + Sync {
@@ -78,11 +79,6 @@ pub(super) trait Shape: Send + Sync {
 pub(super) fn wrap(x: f64) -> f64 {
     let f = x - x.floor();
     if f < 1.0 { f } else { 0.0 }
-}
-
-/// The same lag in [-1/2, 1/2].
-pub(super) fn nearest(r: f64) -> f64 {
-    r - r.round()
 }
 
 /// `exp(-2 pi i t)`.

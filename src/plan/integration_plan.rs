@@ -296,6 +296,13 @@ impl IntegrationPlan {
         matches!(self.pairs, PairSum::Exact | PairSum::Deposit(_)).then(|| nodes_per_side(self.domain.dim()))
     }
 
+    /// How many lags a node stands for: itself and its opposite, which is not among those that pairs are deposited on but at 0 and half a side.
+    pub(crate) fn lag_multiplicity(&self, node: usize) -> f64 {
+        let side = nodes_per_side(self.domain.dim());
+        let last = node / side.pow(self.domain.dim() as u32 - 1);
+        if last == 0 || last == side / 2 { 1.0 } else { 2.0 }
+    }
+
     /// The removal, if points are kept at random.
     pub fn removal(&self) -> Option<&Removal> {
         match &self.importance {
@@ -426,6 +433,11 @@ fn nodes_per_side(dim: usize) -> usize {
     [1 << 14, 256, 64][dim - 1]
 }
 
+/// Nodes of a grid of lags whose last component is at most half a side: of a lag and its opposite one is among them.
+pub(crate) fn half_of_lags(nodes: usize, dim: usize) -> usize {
+    nodes.pow(dim as u32 - 1) * (nodes / 2 + 1)
+}
+
 /// So many points of a rank-1 lattice, coordinate by coordinate.
 fn lattice(count: u32, dim: usize) -> Result<Vec<f64>> {
     if dim == 1 || count < 2 {
@@ -502,6 +514,7 @@ fn nodes(integrand: &Integrand, cells: usize) -> Vec<f64> {
         (0..len).into_par_iter().map(|index| (4.0 * values[index] - coarse(index)) / 3.0).collect();
     // The integral of b is 0. Where a bends between nodes that of what is interpolated is not, which all pairs at lags of g = 1 would add.
     let mean = nodes.iter().sum::<f64>() / len as f64;
+    nodes.truncate(half_of_lags(cells, dim));
     nodes.iter_mut().for_each(|b| *b -= mean);
     nodes
 }

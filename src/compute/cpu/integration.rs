@@ -1,12 +1,10 @@
 //! What points and pairs add to integration errors. Formulas: see `reference`. Pairs come in rows of lags; everything else is one loop
 //! over points.
 
-use std::sync::{Mutex, PoisonError};
-
 use rayon::prelude::*;
 
 use super::Cpu;
-use super::lag_deposit::deposit;
+use super::lag_deposit::{self, deposit};
 use super::pair_counts::pair_counts;
 use super::wave_power::{WavePoints, amplitudes};
 use crate::accumulate::{IntegrandSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
@@ -35,14 +33,44 @@ pub(in crate::compute) fn realizations(
     control: &Control,
 ) -> Result<(Vec<RealizationSums>, Vec<i64>)> {
     let count = ensemble.realizations();
-    let lags = Mutex::new(vec![0i64; plan.lag_nodes().map_or(0, |nodes| nodes.pow(plan.domain.dim() as u32))]);
-    let of_points = |k: usize| {
-        let sums = of_points(cpu, plan, ensemble, k, &lags, control)?;
+    let of_some = |mut some: Found, k: usize| {
+        some.realizations.push(of_points(cpu, plan, ensemble, k, &mut some.pairs, control)?);
         control.advance(1.0 / count as f64);
-        Ok(sums)
+        Ok(some)
     };
-    let all = cpu.pool.install(|| (0..count).into_par_iter().map(of_points).collect::<Result<Vec<_>>>())?;
-    Ok((all, lags.into_inner().unwrap_or_else(PoisonError::into_inner)))
+    let both = |mut a: Found, b: Found| {
+        a.realizations.extend(b.realizations);
+        match a.pairs.lags.as_mut_slice() {
+            [] => a.pairs.lags = b.pairs.lags,
+            lags => lags.iter_mut().zip(&b.pairs.lags).for_each(|(sum, more)| *sum = sum.saturating_add(*more)),
+        }
+        Ok(a)
+    };
+    // Enough at a time that memory is kept from one to the next, few enough that no thread waits for another.
+    let least = (count / (8 * cpu.threads())).clamp(1, 16);
+    let all = || {
+        (0..count)
+            .into_par_iter()
+            .with_min_len(least)
+            .try_fold(Found::default, of_some)
+            .try_reduce(Found::default, both)
+    };
+    let all = cpu.pool.install(all)?;
+    Ok((all.realizations, all.pairs.lags))
+}
+
+/// What is known of some realizations.
+#[derive(Default)]
+struct Found {
+    realizations: Vec<RealizationSums>,
+    pairs: Deposited,
+}
+
+/// Pairs of all of them by their lags, in steps of `LAG_STEP`, and the memory that takes.
+#[derive(Default)]
+struct Deposited {
+    lags: Vec<i64>,
+    scratch: lag_deposit::Scratch,
 }
 
 /// A sum of products whose rounding does not grow with its length.
@@ -65,7 +93,7 @@ fn of_points(
     plan: &IntegrationPlan,
     ensemble: &Ensemble,
     k: usize,
-    lags: &Mutex<Vec<i64>>,
+    deposited: &mut Deposited,
     control: &Control,
 ) -> Result<RealizationSums> {
     let places = places(ensemble, k);
@@ -111,7 +139,7 @@ fn of_points(
     }
     low(cpu, plan, ensemble, k, &mut each, control)?;
     if let Some(nodes) = plan.lag_nodes() {
-        deposited_pairs(cpu, plan, ensemble, k, nodes, lags, &mut each, control)?;
+        deposited_pairs(cpu, plan, ensemble, k, nodes, deposited, &mut each, control)?;
     }
     if let Some(distances) = &plan.distances {
         counted_pairs(cpu, plan, distances, ensemble, k, &mut each, control)?;
@@ -295,19 +323,19 @@ fn deposited_pairs(
     ensemble: &Ensemble,
     k: usize,
     nodes: usize,
-    lags: &Mutex<Vec<i64>>,
+    into: &mut Deposited,
     each: &mut [IntegrandSums],
     control: &Control,
 ) -> Result<()> {
     let axes = ensemble.fractions(k);
     let unit = ensemble.weight_unit();
-    let deposited = deposit(cpu, &axes, ensemble.weights(k), nodes, control)?;
+    let deposited = deposit(cpu, &axes, ensemble.weights(k), nodes, &mut into.scratch, control)?;
     for (table, sums) in plan.tables.iter().zip(each) {
-        sums.pairs = dot(&table.nodes, &deposited) * unit * unit;
+        sums.pairs = dot(&table.nodes, deposited) * unit * unit;
     }
-    let mut lags = lags.lock().unwrap_or_else(PoisonError::into_inner);
-    lags.iter_mut()
-        .zip(&deposited)
-        .for_each(|(sum, share)| *sum = sum.saturating_add((share / LAG_STEP).round() as i64));
+    into.lags.resize(deposited.len(), 0);
+    for (sum, share) in into.lags.iter_mut().zip(deposited) {
+        *sum = sum.saturating_add((share / LAG_STEP).round_ties_even() as i64);
+    }
     Ok(())
 }

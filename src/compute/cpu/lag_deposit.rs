@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::{Cpu, simd};
 use crate::control::Control;
 use crate::error::Result;
+use crate::plan::half_of_lags as half;
 
 /// Pairs whose lags are worked out at a time.
 const ROW: usize = 128;
@@ -22,47 +23,71 @@ pub(super) struct Lags {
     bits: u32,
 }
 
-/// Per node of a grid of lags, x fastest, the share of all pairs i < j, each times the product of its weights.
-pub(super) fn deposit(
+/// What a thread keeps from realization to realization.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    /// Per cell of lags, what its corners have; 0 between realizations.
+    corners: Vec<f32>,
+    nodes: Vec<f64>,
+}
+
+/// Per node of the half of a grid of lags whose last component is 0 to half a side (of a lag and its opposite one is there), x fastest, the
+/// share of all pairs, each once, times the product of its weights.
+pub(super) fn deposit<'a>(
     cpu: &Cpu,
     axes: &[&[u64]],
     weights: Option<&[f64]>,
     cells: usize,
+    scratch: &'a mut Scratch,
     control: &Control,
-) -> Result<Vec<f64>> {
+) -> Result<&'a [f64]> {
     let (dim, n) = (axes.len(), axes[0].len());
     let lags = Lags {
         axes: axes.iter().map(|axis| axis.iter().map(|x| (x >> 32) as u32).collect()).collect(),
         weights: weights.map(|weights| weights.iter().map(|w| *w as f32).collect()),
         bits: cells.trailing_zeros(),
     };
-    let len = cells.pow(dim as u32);
-    let (mut corners, mut nodes) = (vec![0.0f32; len << dim], vec![0.0; len]);
+    let len = half(cells, dim);
+    let Scratch { corners, nodes } = scratch;
+    corners.resize(len << dim, 0.0);
+    nodes.clear();
+    nodes.resize(len, 0.0);
     let (mut from, mut held) = (0, 0);
     for i in 0..n {
         held += n - 1 - i;
         if held > PAIRS_PER_CELL * len || i + 1 == n {
             control.check()?;
-            simd::deposit_lags(cpu.level, &lags, from..i + 1, &mut corners);
-            empty(&mut corners, &mut nodes, dim, lags.bits);
+            simd::deposit_lags(cpu.level, &lags, from..i + 1, corners);
+            empty(corners, nodes, dim, cells);
             (from, held) = (i + 1, 0);
         }
     }
     Ok(nodes)
 }
 
-/// Adds corners of cells to the nodes they are, and leaves them at 0.
-fn empty(corners: &mut [f32], nodes: &mut [f64], dim: usize, bits: u32) {
-    let mask = (1usize << bits) - 1;
-    for (cell, corners) in corners.chunks_exact_mut(1 << dim).enumerate() {
-        for (corner, share) in corners.iter_mut().enumerate() {
-            let node = (0..dim).fold(0, |node, a| {
-                let place = (cell >> (bits as usize * a)) + (corner >> a & 1);
-                node | (place & mask) << (bits as usize * a)
-            });
-            nodes[node] += f64::from(std::mem::take(share));
+/// Adds corners of cells to the nodes they are, and leaves them at 0. Of the last cells along the last axis only one side is ever added to.
+fn empty(corners: &mut [f32], nodes: &mut [f64], dim: usize, cells: usize) {
+    let line = if dim == 1 { nodes.len() } else { cells };
+    for (at, cells_of_line) in corners.chunks_exact(line << dim).enumerate() {
+        for upper in 0..1usize << (dim - 1) {
+            let (mut to, mut stride) = (0, 1);
+            for a in 1..dim {
+                let place = at / stride % cells + (upper >> (a - 1) & 1);
+                to += if a + 1 < dim { place % cells } else { place } * stride;
+                stride *= cells;
+            }
+            let Some(nodes) = nodes.get_mut(to * line..(to + 1) * line) else { continue };
+            let sides = |side: usize| cells_of_line.iter().skip(2 * upper + side).step_by(1 << dim);
+            nodes.iter_mut().zip(sides(0)).for_each(|(node, share)| *node += f64::from(*share));
+            nodes.iter_mut().skip(1).zip(sides(1)).for_each(|(node, share)| *node += f64::from(*share));
+            if dim > 1
+                && let (Some(node), Some(share)) = (nodes.first_mut(), sides(1).next_back())
+            {
+                *node += f64::from(*share);
+            }
         }
     }
+    corners.fill(0.0);
 }
 
 /// Pairs (i, j), i in `rows` and j after it, onto the corners of their cells.
@@ -85,14 +110,20 @@ fn add_to<const D: usize, const C: usize>(
 ) {
     let (bits, n) = (lags.bits, axes[0].len());
     let (mut at, mut parts, mut products) = ([0u32; ROW], [[0.0f32; ROW]; D], [1.0f32; ROW]);
+    // All ones where the opposite lag is taken, whose last component is at most half a side.
+    let mut opposite = [0u32; ROW];
     for i in rows {
         for from in (i + 1..n).step_by(ROW) {
             let to = n.min(from + ROW);
+            let last = axes[D - 1];
+            for (x, opposite) in last[from..to].iter().zip(&mut opposite) {
+                *opposite = (x.wrapping_sub(last[i]).cast_signed() >> 31).cast_unsigned();
+            }
             at.fill(0);
             for ((a, axis), parts) in axes.iter().enumerate().zip(&mut parts) {
                 let origin = axis[i];
-                for ((x, at), part) in axis[from..to].iter().zip(&mut at).zip(parts) {
-                    let lag = x.wrapping_sub(origin);
+                for (((x, at), part), opposite) in axis[from..to].iter().zip(&mut at).zip(parts).zip(&opposite) {
+                    let lag = (x.wrapping_sub(origin) ^ opposite).wrapping_sub(*opposite);
                     *at |= (lag >> (32 - bits)) << (bits as usize * a);
                     // 24 bits, all that f32 has.
                     *part = ((lag << bits) >> 8) as i32 as f32 * 2f32.powi(-24);
