@@ -91,6 +91,15 @@ pub enum Error {
     /// The work was cancelled by the user.
     #[error("cancelled")]
     Cancelled,
+
+    /// A run ended before its end, and something is kept of it.
+    #[error("{error}; {kept}")]
+    Unfinished {
+        /// What ended it.
+        error: Box<Error>,
+        /// What is kept where, and how to go on. Settings are mentioned as `` `resume` ``.
+        kept: String,
+    },
 }
 
 impl Error {
@@ -125,6 +134,7 @@ impl Error {
             }
             Self::NoDevice { asked, reason } => format!("{} {asked}: {reason}", name(Setting::Device)),
             Self::Input { place, reason } => format!("{place}: {}", renamed(reason, name)),
+            Self::Unfinished { error, kept } => format!("{}; {}", error.told(&name), renamed(kept, &name)),
             other => other.to_string(),
         }
     }
@@ -144,6 +154,7 @@ impl Error {
         match self {
             Self::Setting { .. } | Self::Arguments { .. } => 2,
             Self::Cancelled => 130,
+            Self::Unfinished { error, .. } => error.exit_code(),
             _ => 1,
         }
     }

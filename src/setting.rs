@@ -159,6 +159,20 @@ settings! {
     Projections = "projections",
     /// Numbers of points of the prefixes that are measured.
     Prefixes = "prefixes",
+    /// The part of the realizations that is measured.
+    Shard = "shard",
+    /// How often sums are written on the way.
+    Checkpoint = "checkpoint",
+    /// Whether a run goes on where an earlier one ended.
+    Resume = "resume",
+    /// A result whose realizations are added to.
+    Extend = "extend",
+    /// How long a run goes on.
+    TimeLimit = "time_limit",
+    /// Whether sums are kept beside a result.
+    KeepSums = "keep_sums",
+    /// Whether a merged result may lack realizations.
+    Partial = "partial",
     /// The spectrum that errors of integrals are predicted from.
     PowerFrom = "p",
     /// Figures that are drawn again.

@@ -21,6 +21,9 @@ use crate::setting::Setting;
 use crate::source::Points;
 use crate::statistics::group::{Effort, KeptPart, Part, PartSums, Subject, together};
 
+/// Seconds that a round of realizations aims at.
+const ROUND: f64 = 2.0;
+
 /// Seconds that a step of a measurement that is looked at aims at, so that whoever takes steps can look up between them.
 const STEP: f64 = 0.05;
 
@@ -69,6 +72,8 @@ pub struct Measurement {
     batch: Option<Arc<Ensemble>>,
     /// Power of some of them that one group lends another.
     lent: Option<(Range<u64>, WavePower)>,
+    /// Sums of realizations that not every group has yet: so that, whatever stops a run, all hold the same ones.
+    round: Vec<(usize, Range<u64>, Box<dyn PartSums>)>,
     pub(super) clock: Clock,
     pub(super) warnings: Vec<String>,
 }
@@ -118,6 +123,7 @@ impl Measurement {
             first: None,
             batch: None,
             lent: None,
+            round: Vec::new(),
             clock: Clock::default(),
             warnings,
         }
@@ -148,7 +154,7 @@ impl Measurement {
         }
         self.plan = self.plan.for_device(device.compute());
         self.tracks = self.plan.parts.iter().map(|part| Track::new(part.clone_part())).collect();
-        self.span = span;
+        (self.span, self.round) = (span, Vec::new());
         Ok(self)
     }
 
@@ -184,7 +190,7 @@ impl Measurement {
             // Fewer realizations: sums cannot be taken apart again.
             (self.tracks, self.sizes, self.duplicates) = (Vec::new(), BTreeMap::new(), 0);
         }
-        (self.batch, self.lent) = (None, None);
+        (self.batch, self.lent, self.round) = (None, None, Vec::new());
         self.keep_tracks();
         Ok(())
     }
@@ -222,13 +228,10 @@ impl Measurement {
     ) -> Result<bool> {
         control.check()?;
         self.resolve(device)?;
-        let Some(at) = self.furthest_behind() else {
+        let Some((at, range)) = self.next() else {
             self.check(device, control)?;
             return Ok(false);
         };
-        let (live, most) = (self.live, self.plan.batch);
-        let track = &mut self.tracks[at];
-        let Some(range) = track.next(&self.span, live, most) else { return Ok(false) };
         let total = self.span.end - self.span.start;
         let planned = self.planned();
         let (before, piece) = self.shares(at, &range);
@@ -256,19 +259,118 @@ impl Measurement {
         let start = Instant::now();
         let sums = track.part.measure(&batch, &mut session).await?;
         let seconds = start.elapsed().as_secs_f64();
-        track.add(range.clone(), sums)?;
         track.each = seconds / batch.realizations() as f64;
         self.clock.add(track.part.stage(), seconds);
         let (warnings, lent) = session.into_parts();
-        self.lent = lent.map(|power| (range, power));
+        self.lent = lent.map(|power| (range.clone(), power));
         for warning in warnings {
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
         }
-        device.pool().install(|| self.see(&batch));
         self.batch = Some(batch);
+        self.round.push((at, range.clone(), sums));
+        // Where it is looked at while it goes on, each group is as far as it is.
+        if self.live || self.partner(&range).is_none() {
+            self.end_round(device)?;
+        }
         Ok(true)
+    }
+
+    /// What to measure next, and of which realizations.
+    fn next(&mut self) -> Option<(usize, Range<u64>)> {
+        if let Some((_, range, _)) = self.round.first() {
+            let range = range.clone();
+            return self.partner(&range).map(|at| (at, range));
+        }
+        let at = self.furthest_behind()?;
+        let (live, most) = (self.live, self.chunk());
+        let range = self.tracks[at].next(&self.span, live, most)?;
+        Some((at, range))
+    }
+
+    /// A track that lacks the realizations of this round.
+    fn partner(&self, range: &Range<u64>) -> Option<usize> {
+        let lacks = |track: &Track| {
+            let gap = track.done.gap(&self.span).filter(|gap| gap.start == range.start && gap.end >= range.end);
+            track.wanted && track.part.waits_for().is_none() && gap.is_some()
+        };
+        let held = |at: usize| self.round.iter().any(|(of, ..)| *of == at);
+        (0..self.tracks.len()).find(|&at| !held(at) && lacks(&self.tracks[at]))
+    }
+
+    /// Adds the sums of a round, which every group has now.
+    fn end_round(&mut self, device: &Device) -> Result<()> {
+        for (at, range, sums) in std::mem::take(&mut self.round) {
+            self.tracks[at].add(range, sums)?;
+        }
+        if let Some(batch) = self.batch.clone() {
+            device.pool().install(|| self.see(&batch));
+        }
+        Ok(())
+    }
+
+    /// Realizations of a round: at first a leaf, then as many as are soon done, so that little is lost where it is stopped.
+    fn chunk(&self) -> u64 {
+        let each: f64 = self.tracks.iter().filter(|t| t.wanted && t.part.waits_for().is_none()).map(|t| t.each).sum();
+        let most = self.plan.batch;
+        if self.live {
+            most
+        } else if each.is_finite() {
+            ((ROUND / each.max(1e-9)) as u64 / LEAF * LEAF).clamp(LEAF, most.max(LEAF))
+        } else {
+            LEAF
+        }
+    }
+
+    /// Whether every group holds the same realizations: not within a round.
+    pub(super) fn is_even(&self) -> bool {
+        self.round.is_empty()
+    }
+
+    /// Whether all that it is to hold is there.
+    pub(super) fn is_done(&self) -> bool {
+        self.tracks.iter().all(|t| !t.wanted || t.done.gap(&self.span).is_none())
+    }
+
+    /// What cannot be had of a part of the realizations.
+    pub fn needs_all(&self) -> Option<&'static str> {
+        let waits = self.tracks.iter().any(|t| t.wanted && t.part.waits_for().is_some());
+        if self.plan.simulations > 0 { Some("`envelope`") } else { waits.then_some("a bandwidth by cross-validation") }
+    }
+
+    /// How many realizations it holds.
+    pub fn realizations(&self) -> u64 {
+        self.sizes.len() as u64
+    }
+
+    /// The realizations that it lacks, `17-32, 65-80` counted from 1; `None` if it has all.
+    pub fn missing(&self) -> Option<String> {
+        let mut held = Ranges::default();
+        let mut keys = self.sizes.keys().copied();
+        let mut run = keys.next().map(|first| first..first + 1);
+        for key in keys {
+            match &mut run {
+                Some(run) if run.end == key => run.end += 1,
+                _ => held.add(run.replace(key..key + 1).unwrap_or_default()),
+            }
+        }
+        held.add(run.unwrap_or_default());
+        let (mut gaps, mut from) = (Vec::new(), 0);
+        while let Some(gap) = held.gap(&(from..self.total())) {
+            gaps.push(if gap.end == gap.start + 1 {
+                gap.end.to_string()
+            } else {
+                format!("{}-{}", gap.start + 1, gap.end)
+            });
+            from = gap.end;
+        }
+        (!gaps.is_empty()).then(|| gaps.join(", "))
+    }
+
+    /// Adds something that the user should know.
+    pub fn note(&mut self, warning: String) {
+        self.warnings.push(warning);
     }
 
     /// Seconds of one thread that the plan takes for all of it; above 0.
@@ -282,7 +384,8 @@ impl Measurement {
         let total = (self.span.end - self.span.start) as f64;
         let part =
             |track: &Track, done: u64| self.plan.seconds(track.part.as_ref()) / self.planned() * done as f64 / total;
-        let before = self.tracks.iter().map(|track| part(track, track.done.count())).sum();
+        let now = self.round.iter().map(|(of, range, _)| part(&self.tracks[*of], range.end - range.start));
+        let before = self.tracks.iter().map(|track| part(track, track.done.count())).sum::<f64>() + now.sum::<f64>();
         (before, part(&self.tracks[at], range.end - range.start))
     }
 

@@ -2,6 +2,7 @@
 //! viewer both call this and hold no arithmetic of their own.
 
 mod envelope;
+mod job;
 mod measurement;
 mod plan;
 mod ranges;
@@ -10,6 +11,7 @@ mod sums_file;
 
 use std::sync::Arc;
 
+pub use job::{Ended, Job};
 pub use measurement::Measurement;
 pub use plan::Plan;
 pub use status::{Status, TrackStatus};

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pairwave::analysis::{self, Plan};
+use pairwave::analysis::{Analysis, Ended, Measurement, Plan};
 use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::prediction::Predicted;
@@ -13,6 +13,7 @@ use pairwave::source::{AllAxes, Points};
 use pairwave::survey::{self, Prefixes, Views};
 use pairwave::{Error, Result, Setting, check_threads, report};
 
+use super::batch::Batch;
 use super::progress::{Bar, stop_on_interrupt, uninterrupted};
 use super::{print, tell};
 
@@ -20,6 +21,9 @@ use super::{print, tell};
 pub(crate) struct Analyze {
     #[command(flatten)]
     request: Request,
+
+    #[command(flatten)]
+    batch: Batch,
 
     /// Directory for the results, to be created
     ///
@@ -60,16 +64,20 @@ impl Analyze {
         if self.force && self.out.is_none() {
             return Err(Error::setting(Setting::Force, "(given)", "needs `out`: without it nothing is written"));
         }
-        let out = self.out.as_ref().filter(|_| !self.explain);
+        let out = self.out.as_deref().filter(|_| !self.explain);
         if let Some(out) = out {
             report::check_inputs(out, &self.request)?;
-            report::check_out(out, self.force)?;
+            self.batch.check_out(out, self.force)?;
         }
         if let Some(threads) = self.request.threads {
             check_threads(threads)?;
         }
         let control = stop_on_interrupt()?;
         if let Some(views) = self.views() {
+            if let Some(setting) = self.batch.given() {
+                let reason = "is of one measurement; `projections` and `prefixes` are many";
+                return Err(Error::setting(setting, "(given)", reason));
+            }
             return self.survey(views, &control);
         }
         let source = Arc::new(Points::open_with(&self.request.input, &control)?);
@@ -91,26 +99,99 @@ impl Analyze {
             }
             return print(&format!("{}\ndevice: {}\n{plan}", source.first_line(), device.computed_by().device()));
         }
-        let bar = Bar::new(self.quiet, &control);
-        let mut analysis = analysis::run(&self.request, source, plan, &device, &control, &mut |p| bar.show(p))?;
-        bar.finish();
-        analysis.parameters.push(("command".into(), command_line().into()));
-        let files = out.map(|out| uninterrupted(|| report::write(out, &analysis, self.force))).transpose()?;
-        if !self.quiet {
-            analysis.warnings.iter().for_each(|warning| warn(warning));
-            print(&report::headline(&analysis))?;
+        let whole = Measurement::new(self.request.clone(), source, plan);
+        let mut measurement = self.batch.begin(whole, out, &device)?;
+        if measurement.realizations() > 0 && !self.quiet {
+            tell(&format!("note: {} are there already", measurement.held()));
         }
-        match out.zip(files) {
-            Some(_) if self.quiet => Ok(()),
-            Some((out, files)) => {
-                let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
-                print(&format!("{}: {}\n", out.display(), names.join(" ")))
+        let bar = Bar::new(self.quiet, &control);
+        let ended = self.batch.job(out).measure(&mut measurement, &device, &control, &mut |p| bar.show(p));
+        let ended = match ended {
+            Ended::Whole if self.batch.shard.is_none() => {
+                let found = pairwave::control::wait(measurement.finish(&device, &control, &mut |p| bar.show(p)));
+                match found {
+                    Ok(found) => {
+                        bar.finish();
+                        let sums = self.batch.keep_sums.then(|| measurement.write());
+                        match self.conclude(found, out, sums.as_deref()) {
+                            // No room for pictures may be room for sums.
+                            Err(error @ Error::File { .. }) => Ended::Failed(error),
+                            done => return done,
+                        }
+                    }
+                    Err(error) => Ended::Failed(error),
+                }
             }
-            // Nothing but what is printed is left of the run.
-            None => {
-                print(&format!("\n{}", report::numbers(&analysis)))?;
-                plot_columns().map_or(Ok(()), |columns| print(&report::plots(&analysis, columns)))
+            other => other,
+        };
+        bar.finish();
+        self.keep(&measurement, out, ended)
+    }
+
+    /// Writes and says what was found.
+    fn conclude(&self, mut found: Analysis, out: Option<&Path>, sums: Option<&[u8]>) -> Result<()> {
+        found.parameters.push(("command".into(), command_line().into()));
+        let force = self.force || self.batch.owns();
+        let files = out.map(|out| uninterrupted(|| report::write_with(out, &found, sums, force))).transpose()?;
+        say(&found, out.zip(files.as_deref()), self.quiet)
+    }
+
+    /// Keeps what there is of a run that did not come to its end, or is to be merged.
+    fn keep(&self, measurement: &Measurement, out: Option<&Path>, ended: Ended) -> Result<()> {
+        let held = measurement.held();
+        let found = |measurement: &Measurement| {
+            let mut found = measurement.analysis()?;
+            found.warnings.push(format!("this is not all that was asked for: {held} were measured"));
+            Some(found)
+        };
+        let Some(out) = out.filter(|_| measurement.realizations() > 0) else {
+            return match (ended, found(measurement)) {
+                (Ended::Failed(error), _) => Err(error),
+                (_, Some(found)) => self.conclude(found, None, None),
+                (_, None) => Ok(()),
+            };
+        };
+        let written = match found(measurement).filter(|_| self.batch.shard.is_none()) {
+            Some(mut found) => {
+                found.parameters.push(("command".into(), command_line().into()));
+                let (sums, force) = (measurement.write(), self.force || self.batch.owns());
+                uninterrupted(|| report::write_with(out, &found, Some(&sums), force)).map(drop)
             }
+            None => uninterrupted(|| measurement.save(out)),
+        };
+        let kept = match &written {
+            Ok(()) => format!("{held} are kept in {}: the same command with `resume` goes on", out.display()),
+            Err(error) => format!("{held} could not be kept: {error}"),
+        };
+        match ended {
+            Ended::Failed(error) => Err(Error::Unfinished { error: Box::new(error), kept }),
+            _ if written.is_err() => written,
+            Ended::Late => {
+                tell(&format!("note: the time was up; {}", Setting::renamed(&kept, Setting::flag)));
+                Ok(())
+            }
+            Ended::Whole if self.quiet => Ok(()),
+            Ended::Whole => print(&format!("{}: {}, {held}\n", out.display(), report::SUMS)),
+        }
+    }
+}
+
+/// Says what was found and which files hold it.
+pub(super) fn say(found: &Analysis, files: Option<(&Path, &[PathBuf])>, quiet: bool) -> Result<()> {
+    if !quiet {
+        found.warnings.iter().for_each(|warning| warn(warning));
+        print(&report::headline(found))?;
+    }
+    match files {
+        Some(_) if quiet => Ok(()),
+        Some((out, files)) => {
+            let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
+            print(&format!("{}: {}\n", out.display(), names.join(" ")))
+        }
+        // Nothing but what is printed is left of the run.
+        None => {
+            print(&format!("\n{}", report::numbers(found)))?;
+            plot_columns().map_or(Ok(()), |columns| print(&report::plots(found, columns)))
         }
     }
 }
@@ -215,7 +296,7 @@ fn warn(warning: &str) {
 }
 
 /// What was typed.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     shell_words(std::iter::once("pairwave".to_string()).chain(arguments))
 }

@@ -1,11 +1,13 @@
 //! The subcommands: each parses, calls the library, and prints. No arithmetic here.
 
 mod analyze;
+mod batch;
 mod completions;
 mod convergence;
 mod devices;
 mod integrands;
 mod integrate;
+mod merge;
 mod out_of_memory;
 mod plot;
 mod progress;
@@ -26,6 +28,8 @@ pub(crate) enum Command {
     Integrate(Box<integrate::Integrate>),
     /// Measure how errors of integrals fall with the number of points
     Convergence(Box<convergence::Convergence>),
+    /// Make one result of the parts of a batch
+    Merge(merge::Merge),
     /// Draw results again, several in one figure, without computing
     Plot(Box<plot::Plot>),
     /// Write realizations of a sampler to a file
@@ -50,6 +54,7 @@ impl Command {
             Self::Analyze(analyze) => analyze.run(),
             Self::Integrate(integrate) => integrate.run(),
             Self::Convergence(convergence) => convergence.run(),
+            Self::Merge(merge) => merge.run(),
             Self::Plot(plot) => plot.run(),
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),

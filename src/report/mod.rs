@@ -43,6 +43,12 @@ use crate::setting::Setting;
 const PAGE: &str = "report.html";
 const SUMMARY: &str = "summary.json";
 
+/// The raw sums of a result, or of a run that is not over.
+pub const SUMS: &str = "partial.sums";
+
+/// The same while they are being written.
+pub(crate) const SUMS_NEW: &str = "partial.sums.new";
+
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
     outputs::all()
@@ -50,7 +56,7 @@ fn names() -> Vec<&'static str> {
         .map(|output| output.name)
         .chain(OF_SURVEYS)
         .chain(OF_CONVERGENCE)
-        .chain([PAGE, SUMMARY])
+        .chain([SUMS, SUMS_NEW, PAGE, SUMMARY])
         .collect()
 }
 
@@ -108,6 +114,10 @@ pub(crate) fn write_files(
 /// # Errors
 /// Why nothing can be written there.
 pub fn check_out(dir: &Path, force: bool) -> Result<()> {
+    if !force && dir.join(SUMS).is_file() && !dir.join(SUMMARY).exists() {
+        let reason = "holds a run that is not over: `resume` goes on with it, `force` starts anew";
+        return Err(Error::setting(Setting::Out, dir.display(), reason));
+    }
     result_dir::check_out(&names(), dir, force)
 }
 
@@ -143,6 +153,14 @@ pub fn check_inputs(dir: &Path, request: &Request) -> Result<()> {
 /// # Errors
 /// As `check_out`; what the file system says. Nothing is left half-written.
 pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf>> {
+    write_with(dir, analysis, None, force)
+}
+
+/// The same with the raw sums, as bytes, beside it.
+///
+/// # Errors
+/// As `write`.
+pub fn write_with(dir: &Path, analysis: &Analysis, sums: Option<&[u8]>, force: bool) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         let mut pictures = BTreeMap::new();
         for output in outputs::all() {
@@ -154,6 +172,9 @@ pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf
                 }
                 Err(e) => files.add(output.name, |_| Err(e)),
             }
+        }
+        if let Some(sums) = sums {
+            files.add(SUMS, |file| file.write_all(sums));
         }
         files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).as_bytes()));
         let names = files.names().into_iter().chain([SUMMARY]).collect();

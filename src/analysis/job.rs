@@ -1,0 +1,151 @@
+//! A measurement carried out to its end, or as far as it comes: what is done is kept on the way.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::Measurement;
+use crate::compute::Device;
+use crate::control::{Control, Instant, Progress};
+use crate::error::{Error, Result, plural};
+use crate::plan::LEAF;
+use crate::report::{SUMS, SUMS_NEW};
+use crate::setting::Setting;
+
+/// When a run leaves its sums behind, and when it ends before its end.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Job {
+    /// Where its sums go on the way, and how often.
+    pub checkpoint: Option<(PathBuf, Duration)>,
+    /// How long it goes on.
+    pub time_limit: Option<Duration>,
+}
+
+/// How measuring ended.
+#[derive(Debug)]
+pub enum Ended {
+    /// All realizations are measured.
+    Whole,
+    /// The time was up.
+    Late,
+    /// Something went wrong, or the user stopped it. The measurement holds what was done before.
+    Failed(Error),
+}
+
+impl Job {
+    /// Measures what is left. However it ends, all groups of sums hold the same realizations.
+    pub fn measure(
+        &self,
+        measurement: &mut Measurement,
+        device: &Device,
+        control: &Control,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Ended {
+        let start = Instant::now();
+        let mut saved = start;
+        loop {
+            match crate::control::wait(measurement.advance(device, control, progress)) {
+                Ok(true) => {}
+                Ok(false) => return Ended::Whole,
+                Err(error) => return Ended::Failed(error),
+            }
+            if !measurement.is_even() || measurement.is_done() {
+                continue;
+            }
+            if self.time_limit.is_some_and(|limit| start.elapsed() >= limit) {
+                return Ended::Late;
+            }
+            let due = self.checkpoint.as_ref().filter(|(_, every)| saved.elapsed() >= *every);
+            if let Some((dir, _)) = due {
+                // A disk that is full now may not be later: the run goes on, and says so.
+                if let Err(error) = measurement.save(dir) {
+                    measurement.note(format!("a checkpoint could not be written: {error}"));
+                }
+                saved = Instant::now();
+            }
+        }
+    }
+}
+
+impl Measurement {
+    /// `512 of 1024 realizations`.
+    pub fn held(&self) -> String {
+        format!("{} of {}", self.realizations(), plural(self.total(), "realization"))
+    }
+
+    /// The part `shard` (from 1) of `of` parts of about the same number of realizations, to be measured by itself and merged.
+    ///
+    /// # Errors
+    /// A part that cannot be; what needs all realizations at once.
+    pub fn shard(self, shard: u64, of: u64, device: &Device) -> Result<Self> {
+        let refuse = |reason: String| Err(Error::setting(Setting::Shard, format!("{shard}/{of}"), reason));
+        if let Some(what) = self.needs_all() {
+            return refuse(format!(
+                "{what} needs all realizations at once; expected it in the run that is not cut, or left out"
+            ));
+        }
+        let leaves = self.total().div_ceil(LEAF);
+        if shard == 0 || shard > of || of > leaves {
+            return refuse(format!(
+                "expected I/N with 1 <= I <= N <= {leaves}: {} are summed {LEAF} at a time",
+                plural(self.total(), "realization")
+            ));
+        }
+        let cut =
+            |shard: u64| ((u128::from(leaves) * u128::from(shard) / u128::from(of)) as u64 * LEAF).min(self.total());
+        let span = cut(shard - 1)..cut(shard);
+        self.within(span, device)
+    }
+
+    /// Goes on where another measurement of the same kind ended.
+    ///
+    /// # Errors
+    /// As `merge`; realizations that this one is not to have.
+    pub fn resume(mut self, earlier: Self) -> Result<Self> {
+        let span = self.span.clone();
+        if let Some(out) = earlier.sizes.keys().find(|k| !span.contains(k)) {
+            let reason =
+                format!("holds realization {}; expected realizations {} to {} only", out + 1, span.start + 1, span.end);
+            return Err(Error::input("the earlier run", reason));
+        }
+        self.merge(earlier)?;
+        Ok(self.to(span))
+    }
+
+    /// Writes its sums into a directory, whole or not at all.
+    ///
+    /// # Errors
+    /// What the file system says; what was there before stays.
+    pub fn save(&self, dir: &Path) -> Result<()> {
+        let (path, new) = (dir.join(SUMS), dir.join(SUMS_NEW));
+        let written = fs::create_dir_all(dir).and_then(|()| {
+            let mut file = fs::File::create(&new)?;
+            file.write_all(&self.write())?;
+            file.sync_all()?;
+            fs::rename(&new, &path)
+        });
+        written.map_err(|e| {
+            let _ = fs::remove_file(&new);
+            Error::file(path, e)
+        })
+    }
+
+    /// The sums in a directory, or in a file.
+    ///
+    /// # Errors
+    /// What cannot be read, or is no file of sums.
+    pub fn load(path: &Path) -> Result<Self> {
+        let file = if path.is_dir() { path.join(SUMS) } else { path.to_path_buf() };
+        let bytes = fs::read(&file).map_err(|e| match e.kind() {
+            io::ErrorKind::NotFound if path.is_dir() => {
+                let reason = format!(
+                    "holds no {SUMS}; expected a directory that `shard`, `keep_sums` or an unfinished run left"
+                );
+                Error::input(path.display().to_string(), reason)
+            }
+            _ => Error::file(&file, e),
+        })?;
+        Self::read(&file.display().to_string(), &bytes)
+    }
+}

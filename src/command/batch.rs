@@ -1,0 +1,117 @@
+//! What is said of long runs: parts of them, what is kept on the way, when they end.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Duration;
+
+use pairwave::analysis::{Job, Measurement};
+use pairwave::compute::Device;
+use pairwave::{Error, Result, Setting, report};
+
+#[derive(clap::Args)]
+pub(crate) struct Batch {
+    /// Measure part I of N of the realizations, for `pairwave merge`
+    ///
+    /// Measure part I of N of the realizations and leave their sums in --out: `pairwave merge` makes one result of all parts, byte for byte
+    /// that of one run. Parts may run anywhere, in any order; each is planned as a part of the whole
+    #[arg(long, help_heading = "Batches", value_name = "I/N", hide_short_help = true, requires = "out")]
+    pub(crate) shard: Option<Shard>,
+
+    /// Write the sums into --out every so many seconds
+    ///
+    /// Write the sums into --out every so many seconds, so that whatever ends the run loses no more; --resume goes on with them
+    #[arg(long, help_heading = "Batches", value_name = "SECONDS", value_parser = seconds, hide_short_help = true, requires = "out")]
+    checkpoint: Option<Duration>,
+
+    /// Go on with the run that --out holds, if it holds one
+    ///
+    /// Go on with the run that --out holds, which was stopped, killed or out of time; the result is that of a run that was not. Where there
+    /// is none, begin
+    #[arg(long, help_heading = "Batches", hide_short_help = true, requires = "out")]
+    resume: bool,
+
+    /// Add realizations to those of a result that kept its sums
+    ///
+    /// Add realizations to those of a result that kept its sums (--keep-sums): with a larger -k, or more files after the same ones
+    #[arg(long, help_heading = "Batches", value_name = "DIR", hide_short_help = true, conflicts_with_all = ["shard", "resume"])]
+    extend: Option<PathBuf>,
+
+    /// End after so many seconds with what is measured then
+    #[arg(long, help_heading = "Batches", value_name = "SECONDS", value_parser = seconds, hide_short_help = true)]
+    time_limit: Option<Duration>,
+
+    /// Keep the raw sums beside the result, for --extend and `pairwave merge`
+    #[arg(long, help_heading = "Batches", hide_short_help = true, requires = "out")]
+    pub(crate) keep_sums: bool,
+}
+
+/// `3/20`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shard {
+    part: u64,
+    of: u64,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
+        match parts {
+            Some((part, of)) if (1..=of).contains(&part) => Ok(Self { part, of }),
+            _ => Err("expected I/N with 1 <= I <= N, as 3/20".into()),
+        }
+    }
+}
+
+fn seconds(text: &str) -> std::result::Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|s: &f64| *s >= 0.0).and_then(|s| Duration::try_from_secs_f64(s).ok());
+    seconds.ok_or_else(|| "expected a number of seconds, 0 or more".into())
+}
+
+impl Batch {
+    /// The first of these settings that is given, for what has no use for them.
+    pub(crate) fn given(&self) -> Option<Setting> {
+        let all = [
+            (Setting::Shard, self.shard.is_some()),
+            (Setting::Checkpoint, self.checkpoint.is_some()),
+            (Setting::Resume, self.resume),
+            (Setting::Extend, self.extend.is_some()),
+            (Setting::TimeLimit, self.time_limit.is_some()),
+            (Setting::KeepSums, self.keep_sums),
+        ];
+        all.into_iter().find(|(_, given)| *given).map(|(setting, _)| setting)
+    }
+
+    /// Whether the run may write into `out`, asked before the long work.
+    pub(crate) fn check_out(&self, out: &Path, force: bool) -> Result<()> {
+        let there = |name: &str| out.join(name).exists();
+        if self.resume && !force && there("summary.json") && !there(report::SUMS) {
+            let reason = "holds a result that is whole: there is nothing to go on with; `force` replaces it";
+            return Err(Error::setting(Setting::Out, out.display(), reason));
+        }
+        report::check_out(out, force || self.resume && there(report::SUMS))
+    }
+
+    /// Whether what `out` holds is of this run, and may be replaced by its result.
+    pub(crate) fn owns(&self) -> bool {
+        self.resume || self.checkpoint.is_some()
+    }
+
+    /// When the run leaves its sums behind, and when it ends.
+    pub(crate) fn job(&self, out: Option<&Path>) -> Job {
+        Job { checkpoint: out.map(Path::to_path_buf).zip(self.checkpoint), time_limit: self.time_limit }
+    }
+
+    /// The part of the run that is to be done, with what was done before.
+    pub(crate) fn begin(&self, whole: Measurement, out: Option<&Path>, device: &Device) -> Result<Measurement> {
+        let part = match self.shard {
+            Some(Shard { part, of }) => whole.shard(part, of, device)?,
+            None => whole,
+        };
+        let unfinished = out.filter(|out| self.resume && out.join(report::SUMS).is_file());
+        let Some(earlier) = self.extend.as_deref().or(unfinished) else { return Ok(part) };
+        let of = |error: Error| Error::input(earlier.display().to_string(), error.told(Setting::flag));
+        part.resume(Measurement::load(earlier)?).map_err(of)
+    }
+}
