@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use crate::display::escape;
 use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, ORANGE, PURPLE, Rgb, SKY, Stroke, VERMILION};
-use crate::display::{distance_sums, frequency_sums, human};
+use crate::display::{Attribution, ColorMap, Units, distance_sums, frequency_sums, human};
 use crate::estimate::{Analysis, IntegrationError, IntegrationErrors, Measured};
-use crate::statistics::Svg;
+use crate::statistics::{Map, Svg};
 
 const COLORS: [Rgb; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK];
 
@@ -142,6 +142,43 @@ pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
         top: None,
         layers,
     })
+}
+
+/// Pixels of a map per axis at most; one of several frequencies is that of the largest.
+const MAP: usize = 640;
+
+/// `attribution_map.svg`: what every frequency adds to the variance, an integrand below the other; in 3D the plane m_z = 0.
+pub(super) fn maps(a: &Analysis) -> Vec<Map<'_>> {
+    let found = a.integration().map_or(&[][..], |found| &found.each);
+    let cycles = Units::of(a).cycles;
+    let map = |e| {
+        let map = Attribution::of(a, e)?;
+        let ([x, y], largest) = (map.half(), map.largest());
+        let pixels = map.pixels(largest, ColorMap::Viridis, MAP);
+        let plane = if a.domain.dim() == 3 { ", the plane m_z = 0" } else { "" };
+        let each = match pixels.width.max(pixels.height) < 2 * x.max(y) as usize + 1 {
+            true => "each pixel the largest of several",
+            false => "one pixel each",
+        };
+        let caption = format!(
+            "Frequencies m_x = -{x}..{x} to the right, m_y = -{y}..{y} upward{plane}, {each}, DC (the centre) grey; logarithmic, from the \
+             largest, {}, down six decades; viridis, from dark blue to yellow.",
+            human(largest)
+        );
+        Some(Map {
+            heading: [
+                Cow::Borrowed(map.spec()),
+                "what each frequency adds to the variance".into(),
+                Cow::Borrowed(&a.subject),
+            ],
+            labels: pixels.axes.map(|axis| format!("ν_{} ({cycles})", ["x", "y", "z"][axis])),
+            pixels,
+            quantity: "|f_m|² P / v₀",
+            bar: Attribution::ticks(largest),
+            caption,
+        })
+    };
+    found.iter().filter_map(map).collect()
 }
 
 /// `attribution_lags.svg`: the predicted variance of single points and of pairs up to a distance, over that of single points alone.
