@@ -5,11 +5,9 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::{Convergence, Curve};
-use crate::display::figure::{BLUE, GREEN, INK, ORANGE, PURPLE, Rgb, SKY, VERMILION};
+use crate::display::figure::{IN_TURN, Rgb};
 use crate::display::{escape, log_ticks};
 use crate::estimate::Measured;
-
-const COLORS: [Rgb; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK];
 
 /// Of the whole, and of the frame of a panel within it, in px.
 const WIDTH: f64 = 960.0;
@@ -92,7 +90,7 @@ pub(super) fn svg(all: &Convergence) -> String {
 <text x="24" y="30" font-size="18" font-weight="bold">Variance of integrals against the number of points</text>
 "##
     );
-    for ((name, [x, y]), color) in names.iter().zip(&legend).zip(COLORS.iter().cycle()) {
+    for ((name, [x, y]), color) in names.iter().zip(&legend).zip(IN_TURN.iter().cycle()) {
         let color = rgb(*color);
         let _ = writeln!(
             svg,
@@ -174,7 +172,7 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
         );
     }
     for curve in curves {
-        let color = rgb(COLORS[curve.subject % COLORS.len()]);
+        let color = rgb(IN_TURN[curve.subject % IN_TURN.len()]);
         if let Some(law) = curve.slopes.iter().find(|s| s.variance == "predicted").and_then(|s| s.law) {
             let look = format!(r#"stroke="{color}" stroke-width="1.8""#);
             panel.line(svg, [law.range[0], law.at(law.range[0])], law.slope, &(law.range[0]..law.range[1]), &look);

@@ -105,7 +105,7 @@ impl Room for Here {
                 Output {
                     name: "variance.svg",
                     turn: Turn::Figure,
-                    make: Make::Svg(|a| a.integration().map(|found| figures::variance(a, found))),
+                    make: Make::Svg(|a| a.integration().map(|_| figures::variance(a))),
                     place: Some(Place { heading: "Integration error", caption }),
                     shown: None,
                 },
