@@ -2,66 +2,41 @@
 //! slopes to compare with.
 
 use std::fmt::Write as _;
-use std::ops::Range;
 
-use super::{Convergence, Curve};
-use crate::display::figure::{BLUE, GREEN, INK, ORANGE, PURPLE, Rgb, SKY, VERMILION};
-use crate::display::{escape, log_ticks};
-use crate::estimate::Measured;
-
-const COLORS: [Rgb; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK];
+use super::Convergence;
+use crate::display::figure::{IN_TURN, Rgb};
+use crate::display::{Ladder, LadderFrame, Rung, RungMark, escape, log_ticks};
 
 /// Of the whole, and of the frame of a panel within it, in px.
 const WIDTH: f64 = 960.0;
 const PANEL: [f64; 2] = [480.0, 400.0];
 const FRAME: [[f64; 2]; 2] = [[74.0, 34.0], [456.0, 346.0]];
 const LEGEND_ROW: f64 = 20.0;
-
-/// Slopes to compare with.
-const REFERENCES: [(f64, &str); 3] = [(-1.0, "−1"), (-1.5, "−3/2"), (-2.0, "−2")];
+/// How far beside n marks stand.
+const BESIDE: f64 = 5.0;
 
 /// A panel: where it stands and what it spans.
 struct Panel {
     corner: [f64; 2],
-    n: Range<f64>,
-    v: Range<f64>,
+    frame: LadderFrame,
 }
 
 impl Panel {
     fn x(&self, n: f64) -> f64 {
-        let part = (n / self.n.start).ln() / (self.n.end / self.n.start).ln();
+        let range = &self.frame.n;
+        let part = (n / range.start).ln() / (range.end / range.start).ln();
         self.corner[0] + FRAME[0][0] + part * (FRAME[1][0] - FRAME[0][0])
     }
 
     fn y(&self, v: f64) -> f64 {
-        let part = (v / self.v.start).ln() / (self.v.end / self.v.start).ln();
+        let range = &self.frame.v;
+        let part = (v / range.start).ln() / (range.end / range.start).ln();
         self.corner[1] + FRAME[1][1] - part * (FRAME[1][1] - FRAME[0][1])
     }
 
-    /// A line of the power `slope` through a point, as far as it is in the panel; its right end.
-    fn line(&self, svg: &mut String, at: [f64; 2], slope: f64, ends: &Range<f64>, look: &str) -> [f64; 2] {
-        let value = |n: f64| at[1] * (n / at[0]).powf(slope);
-        // Where it leaves through the bottom or the top.
-        let cross = |v: f64| at[0] * (v / at[1]).powf(1.0 / slope);
-        let mut span = ends.clone();
-        for (v, outside) in [(self.v.start, value(span.end) < self.v.start), (self.v.end, value(span.end) > self.v.end)]
-        {
-            if outside {
-                span.end = cross(v);
-            }
-        }
-        for (v, outside) in
-            [(self.v.start, value(span.start) < self.v.start), (self.v.end, value(span.start) > self.v.end)]
-        {
-            if outside {
-                span.start = cross(v);
-            }
-        }
-        if span.start < span.end {
-            let [a, b] = [span.start, span.end].map(|n| (self.x(n), self.y(value(n))));
-            let _ = writeln!(svg, r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" fill="none" {look}/>"#, a.0, a.1, b.0, b.1);
-        }
-        [span.end, value(span.end)]
+    fn line(&self, svg: &mut String, ends: [[f64; 2]; 2], look: &str) {
+        let [a, b] = ends.map(|[n, v]| (self.x(n), self.y(v)));
+        let _ = writeln!(svg, r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" fill="none" {look}/>"#, a.0, a.1, b.0, b.1);
     }
 }
 
@@ -92,7 +67,7 @@ pub(super) fn svg(all: &Convergence) -> String {
 <text x="24" y="30" font-size="18" font-weight="bold">Variance of integrals against the number of points</text>
 "##
     );
-    for ((name, [x, y]), color) in names.iter().zip(&legend).zip(COLORS.iter().cycle()) {
+    for ((name, [x, y]), color) in names.iter().zip(&legend).zip(IN_TURN.iter().cycle()) {
         let color = rgb(*color);
         let _ = writeln!(
             svg,
@@ -110,7 +85,7 @@ pub(super) fn svg(all: &Convergence) -> String {
     );
     for k in 0..panels {
         let corner = [(k % columns) as f64 * PANEL[0], top + (k / columns) as f64 * PANEL[1]];
-        let curves: Vec<&Curve> = all.curves.iter().filter(|c| c.integrand == k).collect();
+        let curves: Vec<(usize, Ladder)> = all.of_integrand(k).collect();
         panel(&mut svg, all, k, &curves, corner);
     }
     svg.push_str("</svg>\n");
@@ -122,14 +97,7 @@ fn shortened(text: &str, most: usize) -> String {
     if cut.len() < text.len() { format!("{cut}…") } else { cut }
 }
 
-fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corner: [f64; 2]) {
-    let ends = |values: &mut dyn Iterator<Item = f64>| {
-        values.filter(|v| *v > 0.0).fold([f64::INFINITY, 0f64], |[a, b], v| [a.min(v), b.max(v)])
-    };
-    let points = || curves.iter().flat_map(|c| &c.points);
-    let [n0, n1] = ends(&mut points().map(|at| at.n));
-    let variances = points().flat_map(|at| [Some(at.predicted), Some(at.shifted), at.observed].into_iter().flatten());
-    let [v0, v1] = ends(&mut variances.map(|v| v.value));
+fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[(usize, Ladder)], corner: [f64; 2]) {
     let left = corner[0] + FRAME[0][0];
     let _ = writeln!(
         svg,
@@ -137,14 +105,14 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
         corner[1] + 22.0,
         escape(&shortened(all.integrands[k].spec(), 56))
     );
-    if v0 > v1 {
+    let Some(frame) = LadderFrame::of(curves.iter().map(|(_, ladder)| ladder)) else {
         let _ = writeln!(svg, r#"<text x="{left:.1}" y="{:.1}">no variance above 0</text>"#, corner[1] + 60.0);
         return;
-    }
-    let panel = Panel { corner, n: n0 / 1.25..n1 * (n1 / n0).powf(0.15), v: v0 / 2.5..v1 * 2.5 };
+    };
+    let panel = Panel { corner, frame };
     let (right, bottom) = (corner[0] + FRAME[1][0], corner[1] + FRAME[1][1]);
     let frame_top = corner[1] + FRAME[0][1];
-    for (v, label) in log_ticks(&panel.v) {
+    for (v, label) in log_ticks(&panel.frame.v) {
         let y = panel.y(v);
         let _ = writeln!(
             svg,
@@ -153,7 +121,7 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
             y + 4.0
         );
     }
-    for (n, label) in log_ticks(&panel.n) {
+    for (n, label) in log_ticks(&panel.frame.n) {
         let x = panel.x(n);
         let _ = writeln!(
             svg,
@@ -161,11 +129,9 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
             bottom + 19.0
         );
     }
-    // Slopes to compare with leave one point, above all that is drawn.
-    let from = [n0, v1 * 1.6];
-    for (slope, label) in REFERENCES {
-        let span = n0..n1 * (n1 / n0).powf(0.05);
-        let [n, v] = panel.line(svg, from, slope, &span, r##"stroke="#9a9a9a" stroke-dasharray="3 3""##);
+    for (line, label) in panel.frame.references() {
+        panel.line(svg, line, r##"stroke="#9a9a9a" stroke-dasharray="3 3""##);
+        let [n, v] = line[1];
         let _ = writeln!(
             svg,
             r##"<text x="{:.1}" y="{:.1}" font-size="11" fill="#777">{label}</text>"##,
@@ -173,21 +139,13 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
             panel.y(v).min(bottom - 5.0) + 3.0
         );
     }
-    for curve in curves {
-        let color = rgb(COLORS[curve.subject % COLORS.len()]);
-        if let Some(law) = curve.slopes.iter().find(|s| s.variance == "predicted").and_then(|s| s.law) {
-            let look = format!(r#"stroke="{color}" stroke-width="1.8""#);
-            panel.line(svg, [law.range[0], law.at(law.range[0])], law.slope, &(law.range[0]..law.range[1]), &look);
+    for (subject, ladder) in curves {
+        let color = rgb(IN_TURN[subject % IN_TURN.len()]);
+        if let Some(fit) = panel.frame.fit(ladder) {
+            panel.line(svg, fit, &format!(r#"stroke="{color}" stroke-width="1.8""#));
         }
-        for at in &curve.points {
-            let x = panel.x(at.n);
-            // Side by side, so that each can be seen.
-            let each = [(Some(at.predicted), 0.0, 0), (at.observed, 5.0, 1), (Some(at.shifted), -5.0, 2)];
-            for (measured, beside, kind) in each {
-                if let Some(measured) = measured.filter(|m| m.value > 0.0) {
-                    mark(svg, &panel, x + beside, measured, &color, kind);
-                }
-            }
+        for one in panel.frame.marks(ladder) {
+            mark(svg, &panel, &one, &color);
         }
     }
     let _ = writeln!(
@@ -205,18 +163,17 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[&Curve], corne
 }
 
 /// A value with two standard errors.
-fn mark(svg: &mut String, panel: &Panel, x: f64, measured: Measured, color: &str, kind: u8) {
-    let reach = 2.0 * measured.se.unwrap_or(0.0);
-    let end = |v: f64| panel.y(v.clamp(panel.v.start, panel.v.end));
-    let (low, y, high) = (end(measured.value - reach), end(measured.value), end(measured.value + reach));
+fn mark(svg: &mut String, panel: &Panel, mark: &RungMark, color: &str) {
+    let x = panel.x(mark.n) + BESIDE * mark.beside;
+    let (y, [low, high]) = (panel.y(mark.value), mark.ends.map(|end| panel.y(end)));
     let _ = writeln!(svg, r#"<path d="M{x:.1} {low:.1}V{high:.1}" stroke="{color}" stroke-width="1"/>"#);
-    let _ = match kind {
-        0 => writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="3.6" fill="{color}"/>"#),
-        1 => writeln!(
+    let _ = match mark.rung {
+        Rung::Predicted => writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="3.6" fill="{color}"/>"#),
+        Rung::Observed => writeln!(
             svg,
             r##"<circle cx="{x:.1}" cy="{y:.1}" r="3" fill="#fff" stroke="{color}" stroke-width="1.4"/>"##
         ),
-        _ => writeln!(
+        Rung::Shifted => writeln!(
             svg,
             r#"<path d="M{:.1} {:.1}l5 5m0 -5l-5 5" stroke="{color}" stroke-width="1.4"/>"#,
             x - 2.5,

@@ -13,6 +13,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 use crate::analysis::{self, Plan};
 use crate::compute::Device;
 use crate::control::{Control, Progress};
+use crate::display::{Ladder, LadderAt, Rung};
 use crate::error::{Error, Result, number};
 use crate::estimate::{
     Analysis, Measured, PowerLaw, SpectrumDetails, VarianceAt, expected_slope, isotropic_exponent, local_slopes,
@@ -38,7 +39,7 @@ pub enum Subjects {
 }
 
 /// What was found.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Convergence {
     /// Samplers, or what the files are called.
     subjects: Vec<Subject>,
@@ -52,7 +53,7 @@ pub struct Convergence {
 }
 
 /// Whose points they are.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Subject {
     name: String,
     /// b of its power at low frequency, `P ~ nu^b`, at the largest n, and its 95 % interval where it was measured.
@@ -63,7 +64,7 @@ struct Subject {
 }
 
 /// V(n) of a subject and an integrand.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Curve {
     subject: usize,
     integrand: usize,
@@ -86,22 +87,26 @@ struct At {
 }
 
 /// A fit.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Slope {
-    variance: &'static str,
+    variance: Rung,
     law: Option<PowerLaw>,
     asymptote: Option<PowerLaw>,
 }
 
 /// The variances that are fitted.
-const VARIANCES: [&str; 3] = ["predicted", "shifted", "observed"];
+const VARIANCES: [Rung; 3] = [Rung::Predicted, Rung::Shifted, Rung::Observed];
+
+/// The fewest points, and the most numbers of them, that are looked at below those of a request.
+const FEWEST: u64 = 16;
+const MOST_HALVES: usize = 8;
 
 impl At {
-    fn of(&self, variance: &str) -> Option<Measured> {
+    fn of(&self, variance: Rung) -> Option<Measured> {
         match variance {
-            "predicted" => Some(self.predicted),
-            "shifted" => Some(self.shifted),
-            _ => self.observed,
+            Rung::Predicted => Some(self.predicted),
+            Rung::Shifted => Some(self.shifted),
+            Rung::Observed => self.observed,
         }
     }
 }
@@ -137,32 +142,91 @@ pub fn run(
     control: &Control,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Convergence> {
-    if request.integrand.is_empty() {
-        let reason = "expected an integrand such as disk or box:x0=0.2,x1=0.7; `pairwave integrands` lists them";
-        return Err(Error::setting(Setting::Integrand, "(none)", reason));
+    let mut climb = Climb::new(subjects, request, control)?;
+    while climb.advance(device, control, progress)? {}
+    Ok(climb.found())
+}
+
+/// What is found so far of a run, one number of points after the other.
+pub struct Climb {
+    request: Request,
+    tasks: Vec<Task>,
+    /// Of them, those that are measured.
+    done: usize,
+    /// What part of the work that is.
+    before: f64,
+    /// Whose warning, what it is, and of how many others.
+    said: Vec<(String, String, u64)>,
+    /// Without fits.
+    found: Convergence,
+}
+
+impl Climb {
+    /// Looks at what is asked for; nothing is measured yet.
+    ///
+    /// # Errors
+    /// What the samplers and the files say; fewer than two numbers of points; `Error::Cancelled`.
+    pub fn new(subjects: &Subjects, request: &Request, control: &Control) -> Result<Self> {
+        if request.integrand.is_empty() {
+            let reason = "expected an integrand such as disk or box:x0=0.2,x1=0.7; `pairwave integrands` lists them";
+            return Err(Error::setting(Setting::Integrand, "(none)", reason));
+        }
+        let mut warnings = Vec::new();
+        let (subjects, tasks) = match subjects {
+            Subjects::Samplers(specs, numbers) => samplers(specs, numbers, request, &mut warnings)?,
+            Subjects::Groups(groups) => files(groups, request, control, &mut warnings)?,
+            Subjects::Prefixes(numbers) => prefixes(numbers, request, control, &mut warnings)?,
+        };
+        let (integrands, curves, device) = (Vec::new(), Vec::new(), String::new());
+        let found = Convergence { subjects, integrands, dim: 2, curves, warnings, device };
+        Ok(Self { request: request.clone(), tasks, done: 0, before: 0.0, said: Vec::new(), found })
     }
-    let mut warnings = Vec::new();
-    let (found, tasks) = match subjects {
-        Subjects::Samplers(specs, numbers) => samplers(specs, numbers, request, &mut warnings)?,
-        Subjects::Groups(groups) => files(groups, request, control, &mut warnings)?,
-        Subjects::Prefixes(numbers) => prefixes(numbers, request, control, &mut warnings)?,
-    };
-    let (mut subjects, mut dim, mut integrands) = (found, 2, Vec::new());
-    let mut curves: Vec<Curve> = Vec::new();
-    let all: f64 = tasks.iter().map(|task| task.n).sum();
-    let (mut before, mut said) = (0.0, Vec::<(String, String, u64)>::new());
-    let total = tasks.len() as u64;
-    for (done, task) in tasks.iter().enumerate() {
+
+    /// The sampler of a request, at its number of points and at halves of that, down to 16 and at most 8 of them. `None` where there is no
+    /// sampler, which alone makes other numbers of points, no such number, or no integrand.
+    ///
+    /// # Errors
+    /// As `new`.
+    pub fn below(request: &Request, control: &Control) -> Option<Result<Self>> {
+        let (sampler, most) = (request.input.sampler.clone()?, request.input.points?);
+        if request.integrand.is_empty() {
+            return None;
+        }
+        let halves = std::iter::successors(Some(most), |n| (*n / 2 >= FEWEST).then_some(*n / 2));
+        let mut numbers: Vec<String> = halves.take(MOST_HALVES).map(|n| n.to_string()).collect();
+        numbers.reverse();
+        let parsed = numbers.join(",").parse::<Prefixes>();
+        let numbers = parsed.map_err(|reason| Error::setting(Setting::Points, most, reason));
+        Some(
+            numbers.and_then(|numbers| {
+                Self::new(&Subjects::Samplers(vec![sampler], numbers), &request.only(&[]), control)
+            }),
+        )
+    }
+
+    /// How many numbers of points are measured, and of how many.
+    pub fn progress(&self) -> (u64, u64) {
+        (self.done as u64, self.tasks.len() as u64)
+    }
+
+    /// Measures at one more number of points; whether there are others. What an error leaves is what was found before.
+    ///
+    /// # Errors
+    /// As `run`.
+    pub fn advance(&mut self, device: &Device, control: &Control, progress: &mut dyn FnMut(Progress)) -> Result<bool> {
+        let Some(task) = self.tasks.get(self.done) else { return Ok(false) };
         control.check()?;
-        let part = task.n / all;
+        let all: f64 = self.tasks.iter().map(|task| task.n).sum();
+        let (part, before, total) = (task.n / all, self.before, self.tasks.len() as u64);
         let points = Arc::new((task.open)(control)?);
-        let mut asked = request.clone();
+        let mut asked = self.request.clone();
         asked.stats = if task.measures_power { vec![Statistic::Radial] } else { Vec::new() };
         asked.input.sampler = None;
         let plan = Plan::of(&asked, &points)?.for_device(device.compute());
+        let done = self.done as u64;
         let mut told = |p: Progress| {
             progress(Progress {
-                done: done as u64,
+                done,
                 total,
                 before: before + part * p.before,
                 piece: part * p.piece,
@@ -171,23 +235,25 @@ pub fn run(
             });
         };
         let analysis = analysis::run(&asked, points, plan, device, control, &mut told)?;
-        before += part;
-        let name = format!("{}, n = {}", subjects[task.subject].name, number(analysis.shape.mean_points));
-        for text in &analysis.warnings {
-            match said.iter_mut().find(|other| other.1 == *text) {
-                Some(other) => other.2 += 1,
-                None => said.push((name.clone(), text.clone(), 0)),
-            }
-        }
+        let found = &mut self.found;
+        let subject = &mut found.subjects[task.subject];
+        let name = format!("{}, n = {}", subject.name, number(analysis.shape.mean_points));
         let nothing = || Error::input(&name, "no realization has points to integrate with");
         let errors = analysis.integration().ok_or_else(nothing)?;
+        for text in &analysis.warnings {
+            match self.said.iter_mut().find(|other| other.1 == *text) {
+                Some(other) => other.2 += 1,
+                None => self.said.push((name.clone(), text.clone(), 0)),
+            }
+        }
         if task.measures_power {
             let low = analysis.get::<SpectrumDetails>().and_then(|details| details.scalars.low_frequency);
-            subjects[task.subject].exponent = low.and_then(|low| low.exponent);
-            subjects[task.subject].exponent_interval = low.and_then(|low| low.exponent_interval);
+            subject.exponent = low.and_then(|low| low.exponent);
+            subject.exponent_interval = low.and_then(|low| low.exponent_interval);
         }
-        subjects[task.subject].counts |= errors.estimator == Estimator::Lambda && varies(&analysis);
-        dim = analysis.domain.dim();
+        subject.counts |= errors.estimator == Estimator::Lambda && varies(&analysis);
+        found.dim = analysis.domain.dim();
+        found.device = device.computed_by().device();
         for (k, e) in errors.each.iter().enumerate() {
             let at = At {
                 n: analysis.shape.mean_points,
@@ -198,34 +264,46 @@ pub fn run(
                 predicted: or_nothing(errors.predicted(e), e.v0 / analysis.shape.mean_points),
                 local: None,
             };
-            match curves.iter_mut().find(|c| (c.subject, c.integrand) == (task.subject, k)) {
+            match found.curves.iter_mut().find(|c| (c.subject, c.integrand) == (task.subject, k)) {
                 Some(curve) => curve.points.push(at),
-                None => {
-                    curves.push(Curve { subject: task.subject, integrand: k, points: vec![at], slopes: Vec::new() })
+                None => found.curves.push(Curve {
+                    subject: task.subject,
+                    integrand: k,
+                    points: vec![at],
+                    slopes: Vec::new(),
+                }),
+            }
+        }
+        found.integrands = errors.each.iter().map(|e| e.integrand.clone()).collect();
+        (self.done, self.before) = (self.done + 1, before + part);
+        Ok(self.done < self.tasks.len())
+    }
+
+    /// What is found so far, with its fits.
+    pub fn found(&self) -> Convergence {
+        let mut found = self.found.clone();
+        found.curves.sort_by_key(|curve| (curve.subject, curve.integrand));
+        for curve in &mut found.curves {
+            curve.fit();
+            for slope in &curve.slopes {
+                let zero = |at: &&At| at.of(slope.variance).is_some_and(|v| v.value == 0.0);
+                let zeros = curve.points.iter().filter(zero).count();
+                if zeros > 0 {
+                    found.warnings.push(format!(
+                        "{}, {}: the {} variance is 0 at {zeros} of {} numbers of points, which are left out of its fit",
+                        found.subjects[curve.subject].name,
+                        found.integrands[curve.integrand].spec(),
+                        slope.variance,
+                        curve.points.len()
+                    ));
                 }
             }
         }
-        integrands = errors.each.iter().map(|e| e.integrand.clone()).collect();
+        let more = |more: u64| if more > 0 { format!(" and {more} more") } else { String::new() };
+        let said = self.said.iter().map(|(name, text, times)| format!("{name}{}: {text}", more(*times)));
+        found.warnings.extend(said);
+        found
     }
-    curves.sort_by_key(|curve| (curve.subject, curve.integrand));
-    for curve in &mut curves {
-        curve.fit();
-        for slope in &curve.slopes {
-            let zeros = curve.points.iter().filter(|at| at.of(slope.variance).is_some_and(|v| v.value == 0.0)).count();
-            if zeros > 0 {
-                warnings.push(format!(
-                    "{}, {}: the {} variance is 0 at {zeros} of {} numbers of points, which are left out of its fit",
-                    subjects[curve.subject].name,
-                    integrands[curve.integrand].spec(),
-                    slope.variance,
-                    curve.points.len()
-                ));
-            }
-        }
-    }
-    let more = |more: u64| if more > 0 { format!(" and {more} more") } else { String::new() };
-    warnings.extend(said.into_iter().map(|(name, text, times)| format!("{name}{}: {text}", more(times))));
-    Ok(Convergence { subjects, integrands, dim, curves, warnings, device: device.computed_by().device() })
 }
 
 /// Whether the number of points does.
@@ -383,14 +461,14 @@ fn prefixes(numbers: &Prefixes, request: &Request, control: &Control, warnings: 
 
 impl Curve {
     /// The points of one of its variances.
-    fn of(&self, variance: &str) -> Vec<VarianceAt> {
+    fn of(&self, variance: Rung) -> Vec<VarianceAt> {
         self.points.iter().filter_map(|at| Some(VarianceAt { n: at.n, variance: at.of(variance)? })).collect()
     }
 
     fn fit(&mut self) {
-        let locals = local_slopes(&self.of("predicted"));
+        let locals = local_slopes(&self.of(Rung::Predicted));
         self.points.iter_mut().zip(locals).for_each(|(at, local)| at.local = local);
-        let slope = |variance: &'static str| {
+        let slope = |variance: Rung| {
             let points = self.of(variance);
             Slope { variance, law: PowerLaw::fit(&points), asymptote: PowerLaw::asymptote(&points) }
         };
@@ -399,6 +477,31 @@ impl Curve {
 }
 
 impl Convergence {
+    /// The curves of an integrand, by its place in the list, as they are drawn.
+    pub fn ladders(&self, integrand: usize) -> Vec<Ladder> {
+        self.of_integrand(integrand).map(|(_, ladder)| ladder).collect()
+    }
+
+    /// The same, with which subject each is of.
+    fn of_integrand(&self, integrand: usize) -> impl Iterator<Item = (usize, Ladder)> + '_ {
+        self.curves.iter().filter(move |curve| curve.integrand == integrand).map(|curve| {
+            let at = |at: &At| LadderAt {
+                n: at.n,
+                variances: [Rung::Predicted, Rung::Observed, Rung::Shifted].map(|rung| at.of(rung)),
+                slope: at.local,
+            };
+            let law = |rung| curve.slopes.iter().find(|slope| slope.variance == rung).and_then(|slope| slope.law);
+            let ladder = Ladder {
+                name: self.subjects[curve.subject].name.clone(),
+                spec: self.integrands[curve.integrand].spec().into(),
+                points: curve.points.iter().map(at).collect(),
+                laws: [Rung::Predicted, Rung::Observed, Rung::Shifted].map(law),
+                expected: self.expected(curve),
+            };
+            (curve.subject, ladder)
+        })
+    }
+
     /// The exponent that counts at low frequency.
     fn exponent(&self, curve: &Curve) -> Option<f64> {
         let subject = &self.subjects[curve.subject];
@@ -497,7 +600,7 @@ impl Convergence {
         };
         let subject = |s: &Subject| json!({ "name": s.name, "low_frequency_exponent": s.exponent, "interval": s.exponent_interval });
         let slopes = |curve: &Curve| -> Value {
-            let fit = |s: &Slope| json!({ "variance": s.variance, "fit": law(&s.law), "asymptote": law(&s.asymptote) });
+            let fit = |s: &Slope| json!({ "variance": s.variance.name(), "fit": law(&s.law), "asymptote": law(&s.asymptote) });
             let smoothness = self.integrands[curve.integrand].smoothness();
             json!({
                 "subject": self.subjects[curve.subject].name,

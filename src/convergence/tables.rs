@@ -32,7 +32,7 @@ pub(super) fn slopes(all: &Convergence) -> Table {
     Table::new()
         .text("subject", rows.iter().map(|(c, _)| all.subjects[c.subject].name.clone()))
         .text("integrand", rows.iter().map(|(c, _)| all.integrands[c.integrand].spec().to_string()))
-        .text("variance", rows.iter().map(|(_, s)| s.variance.into()))
+        .text("variance", rows.iter().map(|(_, s)| s.variance.name().into()))
         .optional("slope", of(|law| Some(law.slope)))
         .optional("slope_se", of(|law| Some(law.slope_se)))
         .optional("slope_lo", of(|law| Some(law.interval?[0])))

@@ -1,98 +1,59 @@
-//! What every frequency of the grid of P adds to the variance of an integral.
+//! What every frequency adds to the variance of an integral.
 
 use super::color_map::ColorMap;
 use super::human;
 use super::pixels::{DC, Pixels, grid_pixels};
 use super::readout::ModeAt;
-use crate::estimate::Analysis;
-use crate::integrand::Integrand;
-use crate::plan::{By, Estimator};
+use crate::estimate::{Analysis, IntegrationError, ModeMap};
 
 /// Colours go from the largest so many decades down.
 const DECADES: f64 = 6.0;
 
-/// `|f_m|^2` of an integrand on the grid of P of an analysis, in 3D of the plane m_z = 0: what a map of `|f_m|^2 P(m)` is made of while P
-/// changes.
-#[derive(Debug, Clone)]
-pub struct Attribution {
-    spec: String,
-    half: [u32; 2],
-    /// Over v0: index `(m_x + half_x) (2 half_y + 1) + m_y + half_y`.
-    squares: Vec<f64>,
+/// The map of `|f_m|^2 P(m)` of an integrand over frequencies, in 3D over the plane m_z = 0. P is that of what was summed for the integrand:
+/// of parents where points are removed, of points before they are warped, of weights where there are some.
+#[derive(Debug, Clone, Copy)]
+pub struct Attribution<'a> {
+    error: &'a IntegrationError,
+    map: &'a ModeMap,
+    sides: &'a [f64],
 }
 
-/// Whether the variance is the sum of `|f_m|^2 P(m)`, of parents where points are removed.
-fn is_sum(analysis: &Analysis) -> bool {
-    let Some(found) = analysis.integration() else { return true };
-    match &found.placed {
-        None => true,
-        Some(placed) => {
-            placed.by == Some(By::Removal) && matches!(found.estimator, Estimator::Mean | Estimator::Lambda)
-        }
-    }
-}
-
-/// The largest frequencies of the grid along the axes of the picture.
-fn half_of(analysis: &Analysis) -> Option<[u32; 2]> {
-    let grid = analysis.spectrum().filter(|_| analysis.grid_wanted)?.waves.grid()?;
-    let [x, y, _] = grid.max_frequency();
-    (grid.dim() >= 2).then_some([x, y])
-}
-
-impl Attribution {
-    /// Of an integrand; `None` where P is on no grid in a plane, nothing varies, or the variance is no sum of `|f_m|^2 P(m)`: of points with
-    /// weights one over their density, and of ratios of them.
-    pub fn new(analysis: &Analysis, integrand: &Integrand) -> Option<Self> {
-        let half = half_of(analysis).filter(|_| is_sum(analysis))?;
-        let v0 = integrand.variance();
-        if !(v0 > 0.0 && integrand.dim() == analysis.domain.dim()) {
-            return None;
-        }
-        let max = [half[0], half[1], 0];
-        let coefficients = integrand.coefficients(&max[..integrand.dim()]);
-        let squares = coefficients.iter().map(|f| f.norm_sqr() / v0).collect();
-        Some(Self { spec: integrand.spec().into(), half, squares })
+impl<'a> Attribution<'a> {
+    /// Of an integrand of an analysis; `None` in 1D, and where no frequency adds anything.
+    pub fn of(analysis: &'a Analysis, error: &'a IntegrationError) -> Option<Self> {
+        let map = error.map.as_ref().filter(|_| error.alone > 0.0)?;
+        Some(Self { error, map, sides: analysis.domain.sides() })
     }
 
-    /// Whether it is that of this integrand on the grid of an analysis.
-    pub fn suits(&self, analysis: &Analysis, integrand: &Integrand) -> bool {
-        self.spec == integrand.spec() && half_of(analysis) == Some(self.half)
+    /// The integrand.
+    pub fn spec(&self) -> &'a str {
+        self.error.integrand.spec()
     }
 
-    /// What a mode and P there come to: its part of the variance, over that of as many random points.
-    fn part(&self, m: [i32; 3], p: f64) -> f64 {
-        let at = |k: usize| (m[k] + self.half[k] as i32) as usize;
-        self.squares.get(at(0) * (2 * self.half[1] as usize + 1) + at(1)).map_or(0.0, |square| square * p)
+    /// The largest frequencies m_x and m_y.
+    pub fn half(&self) -> [u32; 2] {
+        self.map.half()
     }
 
-    /// Part after part, DC left out.
-    fn parts<'a>(&'a self, analysis: &'a Analysis) -> impl Iterator<Item = f64> + 'a {
-        let [x, y] = self.half.map(|half| half as i32);
-        let found = analysis.spectrum().and_then(|spectrum| Some((spectrum, spectrum.waves.grid()?)));
-        found.into_iter().flat_map(move |(spectrum, grid)| {
-            // The other half is its mirror image.
-            let modes = (0..=x).flat_map(move |a| (-y..=y).map(move |b| [a, b, 0])).filter(|m| *m != [0; 3]);
-            modes.map(move |m| self.part(m, spectrum.p[grid.half_index(m)]))
-        })
+    /// The part of a mode: its variance over that of as many random points.
+    fn part(&self, m: [i32; 2]) -> Option<f64> {
+        self.map.variance(m).map(|variance| variance / self.error.alone)
     }
 
     /// The largest part.
-    pub fn largest(&self, analysis: &Analysis) -> f64 {
-        self.parts(analysis).filter(|part| part.is_finite()).fold(0.0, f64::max)
+    pub fn largest(&self) -> f64 {
+        self.map.largest() / self.error.alone
     }
 
     /// The map, a pixel per mode with DC grey, its colours from `largest` down 6 decades; a pixel of several modes is that of the largest. As
     /// `spectrum_pixels`.
-    pub fn pixels(&self, analysis: &Analysis, largest: f64, colors: ColorMap, most: usize) -> Option<Pixels> {
-        let spectrum = analysis.spectrum()?;
-        let grid = spectrum.waves.grid().filter(|_| half_of(analysis) == Some(self.half))?;
-        grid_pixels(analysis, None, most, |columns, rows| {
+    pub fn pixels(&self, largest: f64, colors: ColorMap, most: usize) -> Pixels {
+        grid_pixels(self.map.half().map(|half| half as i32), self.sides, None, most, |columns, rows| {
             if columns.contains(&0) && rows.contains(&0) {
                 return DC;
             }
-            let modes = rows.clone().flat_map(|y| columns.clone().map(move |x| [x, y, 0]));
-            let part = modes.map(|m| self.part(m, spectrum.p[grid.half_index(m)])).fold(0.0, f64::max);
-            colors.color(tone(part, largest))
+            let modes = rows.clone().flat_map(|y| columns.clone().map(move |x| [x, y]));
+            colors.color(tone(modes.filter_map(|m| self.part(m)).fold(0.0, f64::max), largest))
         })
     }
 
@@ -110,16 +71,15 @@ impl Attribution {
     pub fn definition(&self) -> String {
         format!(
             "|f_m|² P(m) / v₀ of {}, what a frequency adds to the variance over that of random points, down {DECADES} decades from the largest",
-            self.spec
+            self.spec()
         )
     }
 
     /// The part of a mode, in words.
     pub fn text(&self, mode: &ModeAt) -> String {
-        let beyond = mode.m.iter().zip(self.half).any(|(m, half)| m.unsigned_abs() > half);
-        match beyond || mode.m == [0; 3] {
-            true => mode.text(),
-            false => format!("{}, |f_m|² P / v₀ = {}", mode.text(), human(self.part(mode.m, mode.p))),
+        match self.part([mode.m[0], mode.m[1]]) {
+            None => mode.text(),
+            Some(part) => format!("{}, |f_m|² P / v₀ = {}", mode.text(), human(part)),
         }
     }
 }

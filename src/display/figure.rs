@@ -20,6 +20,9 @@ pub(crate) const SKY: Rgb = Rgb(86, 180, 233);
 pub(crate) const INK: Rgb = Rgb(34, 34, 34);
 pub(crate) const GREY: Rgb = Rgb(125, 125, 125);
 
+/// Colours of curves in turn.
+pub(crate) const IN_TURN: [Rgb; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK];
+
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {

@@ -1,5 +1,6 @@
 //! Errors of integrals as they are drawn: variances over that of as many random points, and where they come from.
 
+use super::figure::{BLUE, GREEN, INK, Rgb, VERMILION};
 use super::trace::{Drawn, Frame};
 use super::units::{Axis, AxisScale};
 use super::{human, ticks, with_error};
@@ -29,6 +30,16 @@ impl Form {
             Self::Spatial => "predicted, spatial",
             Self::Shifted => "observed, shifted",
             Self::AsIs => "observed, as it is",
+        }
+    }
+
+    /// The colour where all are of one set of points.
+    pub(crate) fn color(self) -> Rgb {
+        match self {
+            Self::Spectral => BLUE,
+            Self::Spatial => GREEN,
+            Self::Shifted => VERMILION,
+            Self::AsIs => INK,
         }
     }
 

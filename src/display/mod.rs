@@ -6,6 +6,7 @@ mod decimate;
 pub(crate) mod figure;
 mod integrals;
 mod integrands;
+mod ladder;
 mod lag_slices;
 pub mod overlays;
 mod panel;
@@ -30,6 +31,7 @@ pub use integrals::{Decades, ErrorBar, ErrorBars, Form, Origin, Share, Shares, e
 pub(crate) use integrals::{distance_sums, frequency_sums};
 pub(crate) use integrands::integrand_range;
 pub use integrands::{IntegrandPixels, integrand_pixels};
+pub use ladder::{Ladder, LadderAt, LadderFrame, Rung, RungMark};
 pub(crate) use lag_slices::{LAG_QUANTILE, lag_color_range, lag_planes, lag_slice};
 pub use panel::Panel;
 pub(crate) use pixels::{DC, middle, peak};

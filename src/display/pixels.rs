@@ -62,10 +62,10 @@ pub fn spectrum_pixels(
     reach: Option<f64>,
     most: usize,
 ) -> Option<Pixels> {
-    let spectrum = analysis.spectrum()?;
-    let grid = spectrum.waves.grid()?;
+    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
+    let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
     let n = analysis.shape.mean_points;
-    grid_pixels(analysis, reach, most, |columns, rows| {
+    Some(grid_pixels(middle(grid), analysis.domain.sides(), reach, most, |columns, rows| {
         if columns.contains(&0) && rows.contains(&0) {
             return DC;
         }
@@ -78,20 +78,18 @@ pub fn spectrum_pixels(
         }
         let seen = if highest > peak(n) { highest } else { sum / (rows.len() * columns.len()) as f64 };
         colors.color(tone_map.tone(seen, white.unwrap_or(n)))
-    })
+    }))
 }
 
-/// A picture of the grid of P whose pixels have the `color` of the modes that they cover: m_x, m_y.
+/// A picture of a grid of frequencies up to `half` in a domain, whose pixels have the `color` of the modes that they cover: m_x, m_y.
 pub(super) fn grid_pixels(
-    analysis: &Analysis,
+    mut half: [i32; 2],
+    sides: &[f64],
     reach: Option<f64>,
     most: usize,
     color: impl Fn(Range<i32>, Range<i32>) -> [u8; 3],
-) -> Option<Pixels> {
-    let spectrum = analysis.spectrum().filter(|_| analysis.grid_wanted)?;
-    let grid = spectrum.waves.grid().filter(|grid| grid.dim() >= 2)?;
-    let mut half = middle(grid);
-    for (half, side) in half.iter_mut().zip(analysis.domain.sides()) {
+) -> Pixels {
+    for (half, side) in half.iter_mut().zip(sides) {
         // A cast of what is too large saturates.
         *half = reach.map_or(*half, |reach| (*half).min((reach * side).floor() as i32).max(1));
     }
@@ -105,15 +103,15 @@ pub(super) fn grid_pixels(
     let color = |x: usize, y: usize| color(modes(0, x), modes(1, y));
     let ends = |axis: usize, pixels: usize| {
         let low = -f64::from(half[axis]) - 0.5;
-        [low, low + (pixels * block) as f64].map(|m| m / analysis.domain.sides()[axis])
+        [low, low + (pixels * block) as f64].map(|m| m / sides[axis])
     };
-    Some(Pixels {
+    Pixels {
         width,
         height,
         rgb: (0..height).rev().flat_map(|y| (0..width).flat_map(move |x| color(x, y))).collect(),
         extent: [ends(0, width), ends(1, height)],
         axes: [0, 1],
-    })
+    }
 }
 
 /// g on the grid of lags, a pixel per cell, with the middle of the colours at g = 1 and their ends at `1 -+ reach` (by default as

@@ -121,6 +121,8 @@ pub struct IntegrationError {
     pub rings: Vec<RingShare>,
     /// The frequencies that add most.
     pub modes: Vec<ModeShare>,
+    /// What every frequency in the plane adds, in 3D in that of m_z = 0; `None` in 1D, and where none adds anything.
+    pub map: Option<ModeMap>,
     /// Shells of lags, and what each adds; empty where pairs are not summed.
     pub lags: Vec<LagShare>,
     /// What single points add, `c^2 v0 sum w^2`: all of it, were they independent.
@@ -175,6 +177,38 @@ pub struct ModeShare {
     pub p: f64,
     /// What they add.
     pub variance: f64,
+}
+
+/// What every frequency `(m_x, m_y)` adds, in 3D of those with m_z = 0: up to 1023 per axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeMap {
+    half: [u32; 2],
+    /// Of `m_x >= 0`: index `m_x (2 half_y + 1) + m_y + half_y`. The others are mirror images.
+    variances: Vec<f64>,
+    largest: f64,
+}
+
+/// More frequencies per axis than a picture shows are not kept.
+const MAPPED: u32 = 1023;
+
+impl ModeMap {
+    /// The largest frequencies.
+    pub fn half(&self) -> [u32; 2] {
+        self.half
+    }
+
+    /// What `m` alone adds to the variance, its mirror image apart; `None` at zero frequency and beyond the largest.
+    pub fn variance(&self, m: [i32; 2]) -> Option<f64> {
+        let [x, y] = if m[0] < 0 { m.map(|m| -m) } else { m };
+        let [wide, high] = self.half.map(|half| half as i32);
+        let inside = x <= wide && (-high..=high).contains(&y) && m != [0; 2];
+        inside.then(|| self.variances[(x * (2 * high + 1) + y + high) as usize])
+    }
+
+    /// The largest of them.
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
 }
 
 /// Modes that are kept by name where nothing is said.
@@ -350,7 +384,7 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
             z_as_is: known.then(|| paired(&squared, &as_is, unit)).flatten(),
         }
     });
-    let (rings, modes) = shares(totals, table, mean(&spectral)? + mean(&axes)?);
+    let (rings, modes, map) = shares(totals, table, [mean(&spectral)?, mean(&axes)?]);
     let lags = lag_shares(totals, table);
     let (mut predicted, mut all, mut in_space) = (measured(&spectral)?, measured(&closed)?, measured(&in_space)?);
     if totals.counted.len() == 1 {
@@ -389,6 +423,7 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
         stationarised,
         rings,
         modes,
+        map,
         lags,
         alone: v0 * mean(&of(&|_, r, f| f.c * f.c * r.square))?,
     })
@@ -472,15 +507,20 @@ pub(super) fn highest_excess(plan: &IntegrationPlan, power: &[f64], axes: &[Vec<
     along.fold(around, f64::max)
 }
 
-/// What rings and single modes add to the predicted variance, `variance` in all.
-fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, variance: f64) -> (Vec<RingShare>, Vec<ModeShare>) {
+/// What rings, single modes and those of a plane add to the predicted variance: all of the grid, and all along axes beyond it.
+fn shares(
+    totals: &Totals<'_>,
+    table: &crate::plan::IntegrandTable,
+    [inside, beyond]: [f64; 2],
+) -> (Vec<RingShare>, Vec<ModeShare>, Option<ModeMap>) {
     let product = |table: &[f64], power: &[f64]| table.iter().zip(power).map(|(f, q)| f * q).sum::<f64>();
     let along: f64 = table.axes.iter().zip(totals.axes).map(|(table, power)| product(table, power)).sum();
-    let whole = product(&table.grid, totals.power) + along;
-    let scale = if whole > 0.0 { variance / whole } else { 0.0 };
+    // c varies where n does: products are those of sums over realizations.
+    let scale = |variance: f64, whole: f64| if whole > 0.0 { variance / whole } else { 0.0 };
+    let scales = [scale(inside, product(&table.grid, totals.power)), scale(beyond, along)];
     let mut rings: Vec<RingShare> = Vec::new();
     let mut modes: Vec<ModeShare> = Vec::new();
-    let mut add = |m: [i32; 3], coefficient: f64, q: f64, twice: bool| {
+    let mut add = |m: [i32; 3], coefficient: f64, q: f64, scale: f64, twice: bool| {
         if coefficient == 0.0 {
             return;
         }
@@ -505,18 +545,33 @@ fn shares(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, variance: f6
     };
     if let Some(grid) = totals.plan.grid.waves.grid() {
         for (index, (f, q)) in table.grid.iter().zip(totals.power).enumerate() {
-            add(grid.mode(index), *f, *q, grid.mode(index)[0] == 0);
+            add(grid.mode(index), *f, *q, scales[0], grid.mode(index)[0] == 0);
         }
     }
     for (a, (of_axis, power)) in table.axes.iter().zip(totals.axes).enumerate() {
         for (m, (f, q)) in of_axis.iter().zip(power).enumerate() {
             let mut vector = [0; 3];
             vector[a] = m as i32;
-            add(vector, *f, *q, false);
+            add(vector, *f, *q, scales[1], false);
         }
     }
     rings.retain(|ring| ring.coefficients > 0.0);
-    (rings, modes)
+    (rings, modes, mapped(totals, table, scales[0]))
+}
+
+/// What every frequency in a plane adds: its coefficient times `|s_m|^2`, times `scale`.
+fn mapped(totals: &Totals<'_>, table: &crate::plan::IntegrandTable, scale: f64) -> Option<ModeMap> {
+    let grid = totals.plan.grid.waves.grid().filter(|grid| grid.dim() >= 2)?;
+    let [x, y, _] = grid.max_frequency();
+    let half @ [wide, high] = [x, y].map(|f| f.min(MAPPED));
+    let of = |m| {
+        let at = grid.half_index(m);
+        scale * table.grid[at] * totals.power[at] / f64::from(grid.multiplicity(at))
+    };
+    let plane = (0..=wide as i32).flat_map(|x| (-(high as i32)..=high as i32).map(move |y| [x, y, 0]));
+    let variances: Vec<f64> = plane.map(|m| if m == [0; 3] { 0.0 } else { of(m) }).collect();
+    let largest = variances.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    (largest > 0.0).then_some(ModeMap { half, variances, largest })
 }
 
 /// Shells of lags up to half a side, by width.

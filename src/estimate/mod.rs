@@ -52,7 +52,7 @@ pub use envelope::{Curve, Envelope, Envelopes};
 pub use hotelling::Hotelling;
 pub use inhomogeneous::Inhomogeneity;
 pub use integration::{
-    IntegrationError, IntegrationErrors, LagShare, Measured, ModeShare, Placed, RemovalError, RingShare,
+    IntegrationError, IntegrationErrors, LagShare, Measured, ModeMap, ModeShare, Placed, RemovalError, RingShare,
 };
 pub use intensity::{Intensity, IntensityChoice};
 pub use k_function::KFunction;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use base64::Engine as _;
 
 use super::html::color_bar;
-use super::{npy, png, points_picture, svg};
+use super::{npy, picture_figure, png, points_picture, svg};
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
 use crate::statistics::{Array, Image, Make, Output, ROOMS, Room};
@@ -47,6 +47,7 @@ pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<(C
         Make::Figure(make) => make(a).map(|figure| svg::svg(&figure)).transpose().map_err(io::Error::other)?.map(drawn),
         Make::Svg(make) => make(a).transpose().map_err(io::Error::other)?.map(drawn),
         Make::Image(make) => make(a).map(encoded).transpose()?,
+        Make::Maps(make) => picture_figure::maps(&make(a)).transpose().map_err(io::Error::other)?.map(drawn),
     })
 }
 
@@ -92,7 +93,7 @@ mod tests {
         let count = names.len();
         names.dedup();
         assert_eq!(names.len(), count);
-        let pictured = |output: &Output| matches!(output.make, Make::Figure(_) | Make::Image(_) | Make::Svg(_));
+        let pictured = |output: &Output| !matches!(output.make, Make::Table(_) | Make::Array(_));
         let (pictures, others): (Vec<_>, Vec<_>) = all().into_iter().partition(|output| pictured(output));
         assert!(others.iter().all(|output| output.place.is_none()));
         let aside: Vec<_> = pictures.iter().filter(|output| output.place.is_none()).map(|output| output.name).collect();

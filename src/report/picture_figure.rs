@@ -11,8 +11,8 @@ use crate::display::{
     ColorMap, Pixels, ToneMap, Units, escape, size, spectrum_pixels, ticks, vector_pixels, vector_ticks,
 };
 use crate::estimate::Analysis;
-use crate::statistics::Svg;
 use crate::statistics::waves::{spectrum_image, tone_text};
+use crate::statistics::{Map, Svg};
 
 const TOP: f64 = 92.0;
 const LEFT: f64 = 84.0;
@@ -20,8 +20,9 @@ const LEFT: f64 = 84.0;
 const RIGHT: f64 = 770.0;
 /// Between pictures: room for ticks and a label.
 const GAP: f64 = 84.0;
-/// No picture is higher than this, nor thinner than this part of its longer side.
+/// No picture is higher than this, one of several below each other not than that, nor thinner than this part of its longer side.
 const HIGHEST: f64 = 640.0;
+const HIGHEST_OF_SEVERAL: f64 = 420.0;
 const THINNEST: f64 = 0.25;
 /// The colour bar: how far right of the last picture, and how wide.
 const BAR_GAP: f64 = 28.0;
@@ -85,25 +86,63 @@ pub(super) fn vector(analysis: &Analysis) -> Option<Svg> {
     })
 }
 
+/// Maps one below the other, as one picture.
+pub(super) fn maps(all: &[Map<'_>]) -> Option<Svg> {
+    let most = if all.len() > 1 { HIGHEST_OF_SEVERAL } else { HIGHEST };
+    let one = |map: &Map<'_>| -> Result<(String, u32), Box<dyn std::error::Error + Send + Sync>> {
+        let [title, subject, note] = &map.heading;
+        let size = [map.pixels.width as u32, map.pixels.height as u32];
+        let png = png::encode(&map.pixels.rgb, size, "Variance by frequency", "y up, DC grey")?;
+        let inset = Inset { png, extent: map.pixels.extent, labels: map.labels.clone() };
+        let heading = [title, subject, &*escape(note)];
+        framed(heading, &map.caption, &[inset], ColorMap::Viridis, map.quantity, &map.bar, most)
+    };
+    let stacked = || {
+        let (mut body, mut top) = (String::new(), 0);
+        for map in all {
+            let (svg, height) = one(map)?;
+            body.push_str(&svg.replacen("<svg ", &format!(r#"<svg y="{top}" "#), 1));
+            top += height;
+        }
+        Ok(format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{top}\" viewBox=\"0 0 {WIDTH} {top}\">\n{body}</svg>\n"
+        ))
+    };
+    (!all.is_empty()).then(stacked)
+}
+
 /// Title, subject and note above, which are escaped, pictures side by side, a colour bar, a caption below.
 pub(super) fn svg(
-    [title, subject, note]: [&str; 3],
+    heading: [&str; 3],
     caption: &str,
     insets: &[Inset],
     colors: ColorMap,
     quantity: &str,
     bar: &[(f64, String)],
 ) -> Svg {
+    framed(heading, caption, insets, colors, quantity, bar, HIGHEST).map(|(svg, _)| svg)
+}
+
+/// The same with pictures no higher than `most`, and the height of all.
+fn framed(
+    [title, subject, note]: [&str; 3],
+    caption: &str,
+    insets: &[Inset],
+    colors: ColorMap,
+    quantity: &str,
+    bar: &[(f64, String)],
+    most: f64,
+) -> Result<(String, u32), Box<dyn std::error::Error + Send + Sync>> {
     let count = insets.len() as f64;
     let room = (RIGHT - LEFT - GAP * (count - 1.0)) / count;
     // The same length unit for all.
     let span = |inset: &Inset, axis: usize| inset.extent[axis][1] - inset.extent[axis][0];
     let widest = insets.iter().map(|i| span(i, 0)).fold(0.0, f64::max);
     let tallest = insets.iter().map(|i| span(i, 1)).fold(0.0, f64::max);
-    let px = (room / widest).min(HIGHEST / tallest);
+    let px = (room / widest).min(most / tallest);
     let sizes = insets.iter().map(|inset| {
         let [w, h] = [0, 1].map(|axis| span(inset, axis) * px);
-        [w.max(THINNEST * h.min(room)), h.max(THINNEST * w.min(HIGHEST))]
+        [w.max(THINNEST * h.min(room)), h.max(THINNEST * w.min(most))]
     });
     let sizes: Vec<[f64; 2]> = sizes.collect();
     let highest = sizes.iter().map(|s| s[1]).fold(0.0, f64::max);
@@ -137,19 +176,24 @@ pub(super) fn svg(
     }
     let (bar_left, bar_width) = (left - GAP + BAR_GAP, BAR_WIDTH);
     let stops: Vec<u8> = (0..256).rev().flat_map(|k| colors.color(f64::from(k) / 255.0)).collect();
-    embed(&mut overlay, &png::encode(&stops, [1, 256], "Colours", quantity)?, [bar_left, TOP, bar_width, bar_height]);
+    embed(
+        &mut overlay,
+        &png::encode(&stops, [1, 256], "Colours", "from low to high")?,
+        [bar_left, TOP, bar_width, bar_height],
+    );
     frames.push(((bar_left, TOP), (bar_left + bar_width, TOP + bar_height)));
     for (at, text) in bar {
         let y = TOP + (1.0 - at) * bar_height;
         label(&mut overlay, bar_left + bar_width + 9.0, y + 4.5, "start", &escape(text));
         marks.push([(bar_left + bar_width, y), (bar_left + bar_width + 5.0, y)]);
     }
-    label(&mut overlay, bar_left, TOP - 11.0, "start", quantity);
+    label(&mut overlay, bar_left, TOP - 11.0, "start", &escape(quantity));
     for (k, line) in lines.iter().enumerate() {
         label(&mut overlay, LEFT, foot + 18.0 * k as f64, "start", &escape(line));
     }
     let description = escape(&format!("{title}. {subject}. {note}"));
-    picture((WIDTH, height.ceil() as u32), &description, &overlay, |root| {
+    let height = height.ceil() as u32;
+    let drawn = picture((WIDTH, height), &description, &overlay, |root| {
         for (from, to) in frames {
             root.draw(&frame(from, to))?;
         }
@@ -157,7 +201,8 @@ pub(super) fn svg(
             root.draw(&PathElement::new(mark.map(|(x, y)| (fine(x), fine(y))), thin()))?;
         }
         Ok(())
-    })
+    });
+    Ok((drawn?, height))
 }
 
 /// As many round numbers as have room.

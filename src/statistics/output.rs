@@ -1,8 +1,11 @@
 //! A file of a report: its name, how its content is made, when it is written, and where its picture stands in the page.
 
+use std::borrow::Cow;
+
 use rustfft::num_complex::Complex;
 
 use super::Table;
+use crate::display::Pixels;
 use crate::display::figure::Figure;
 use crate::estimate::Analysis;
 
@@ -55,6 +58,8 @@ pub(crate) enum Make {
     Image(fn(&Analysis) -> Option<Image>),
     /// Drawn by hand.
     Svg(fn(&Analysis) -> Option<Svg>),
+    /// One below the other.
+    Maps(fn(&Analysis) -> Vec<Map<'_>>),
 }
 
 /// Where a picture stands in the page.
@@ -96,6 +101,19 @@ pub(crate) struct Image {
     /// For those who cannot see it.
     pub(crate) alt: &'static str,
     pub(crate) bar: Bar,
+}
+
+/// A picture in pixels in a frame with axes and a colour bar of the sequential map.
+pub(crate) struct Map<'a> {
+    /// Title, subject and note, plain text.
+    pub(crate) heading: [Cow<'a, str>; 3],
+    pub(crate) pixels: Pixels,
+    /// Of its axes.
+    pub(crate) labels: [String; 2],
+    /// What the colours are values of, and places from 0 to 1 with those.
+    pub(crate) quantity: &'static str,
+    pub(crate) bar: Vec<(f64, String)>,
+    pub(crate) caption: String,
 }
 
 /// What the colours stand for.

@@ -319,18 +319,17 @@ fn the_map_of_variance_is_that_of_its_modes() {
     let line = "--sampler jittered -n 16 -k 4 --max-frequency 6 --stats spectrum --integrand gaussian";
     let analysis = analyze(line);
     let error = &analysis.integration().unwrap().each[0];
-    let map = display::Attribution::new(&analysis, &error.integrand).unwrap();
-    assert!(map.suits(&analysis, &error.integrand));
+    let map = display::Attribution::of(&analysis, error).unwrap();
     // The mode that adds most, with its mirror image; what it adds is said in the unit of the dots.
     let top = &error.modes[0];
     let part = 0.5 * top.variance * 16.0 / error.v0;
-    let largest = map.largest(&analysis);
+    let largest = map.largest();
     assert!((largest / part - 1.0).abs() < 1e-4, "{largest} {part}");
     let at = display::spectrum_at(&analysis, [f64::from(top.m[0]), f64::from(top.m[1])]).unwrap();
     assert!(map.text(&at).starts_with(&at.text()) && map.text(&at).contains("|f_m|² P / v₀ = "));
     // Its pixel is the brightest, y upward, and DC is grey.
     let grey = display::ColorMap::Grey;
-    let pixels = map.pixels(&analysis, largest, grey, 99).unwrap();
+    let pixels = map.pixels(largest, grey, 99);
     assert_eq!([pixels.width, pixels.height], [13, 13]);
     let pixel = |m: [i32; 2]| &pixels.rgb[3 * ((6 - m[1]) * 13 + m[0] + 6) as usize..][..3];
     assert_eq!((pixel([top.m[0], top.m[1]]), pixel([0, 0])), (&[255; 3][..], &[128; 3][..]));
@@ -338,17 +337,73 @@ fn the_map_of_variance_is_that_of_its_modes() {
     assert!(small < pixel([1, 1])[0], "{small}");
     let ticks = display::Attribution::ticks(largest);
     assert!(ticks.len() >= 5 && ticks.windows(2).all(|t| t[0].0 < t[1].0), "{ticks:?}");
-    // Weights make another sum of it, removal does not.
-    let dense = |by: &str| {
-        let analysis = analyze(&format!("{line} --intensity formula:1+x {by}"));
-        display::Attribution::new(&analysis, &error.integrand).is_some()
+}
+
+/// Whatever points weigh and whichever estimate they make, all frequencies together are the prediction without its tail.
+#[test]
+fn the_map_of_variance_adds_up() {
+    let sum = |analysis: &Analysis| {
+        let error = &analysis.integration().unwrap().each[0];
+        let map = error.map.as_ref().unwrap();
+        let [x, y] = map.half().map(|half| half as i32);
+        let modes = (-x..=x).flat_map(|x| (-y..=y).map(move |y| [x, y])).filter(|m| *m != [0; 2]);
+        let all: f64 = modes.map(|m| map.variance(m).unwrap()).sum();
+        assert_eq!([map.variance([0, 0]), map.variance([x + 1, 0]), map.variance([0, -y - 1])], [None; 3]);
+        let largest = map.variance([error.modes[0].m[0], error.modes[0].m[1]]).unwrap();
+        assert!(map.largest() >= largest);
+        all / error.spectral.value
     };
-    assert!(!dense("") && dense("--by removal"));
-    // Another grid, another integrand, and nothing that varies.
-    let other = analyze(&line.replace("frequency 6", "frequency 5"));
-    assert!(!map.suits(&other, &error.integrand) && map.pixels(&other, 1.0, grey, 99).is_none());
-    let constant = pairwave::Integrand::new("formula:3", 2).unwrap();
-    assert!(display::Attribution::new(&analysis, &constant).is_none() && !map.suits(&analysis, &constant));
+    let line = "--sampler thomas -n 16 -k 4 --max-frequency 6,4 --stats radial --integrand formula:x*y^2+x";
+    for more in [
+        "",
+        "--estimator ratio",
+        "--intensity formula:1+x",
+        "--intensity formula:1+x --by removal",
+        "--intensity formula:1+x --by removal --estimator ratio",
+        "--intensity formula:1+x --by warp",
+    ] {
+        let all = sum(&analyze(&format!("{line} {more}")));
+        assert!((all - 1.0).abs() < 1e-9, "{more}: {all}");
+    }
+    // In 3D a plane of them is less, in 1D there is no picture, and a constant has no variance.
+    let all = sum(&analyze("--sampler random -n 8 -k 2 --dim 3 --max-frequency 3 --stats radial --integrand gaussian"));
+    assert!(all > 0.01 && all < 0.9, "{all}");
+    for none in ["--dim 1 --integrand ramp", "--integrand formula:3"] {
+        let analysis = analyze(&format!("--sampler random -n 9 -k 2 --max-frequency 4 --stats radial {none}"));
+        let error = &analysis.integration().unwrap().each[0];
+        assert!(error.map.is_none() && display::Attribution::of(&analysis, error).is_none(), "{none}");
+    }
+}
+
+/// The file has a picture per integrand that varies, under its name, with axes and the colours' values.
+#[test]
+fn maps_of_variance_are_a_file_and_in_the_page() {
+    let line = "--sampler jittered -n 16 -k 4 --max-frequency 6 --stats radial --integrand disk --integrand formula:3 --integrand gaussian:sigma=0.2";
+    let read = |line: &str| {
+        let (root, analysis) = (tempfile::tempdir().unwrap(), analyze(line));
+        report::write(&root.path().join("out"), &analysis, false).unwrap();
+        let text = |name: &str| fs::read_to_string(root.path().join("out").join(name));
+        (text("attribution_map.svg").ok(), text("report.html").unwrap())
+    };
+    let (map, page) = read(line);
+    let map = map.unwrap();
+    let ids = roxmltree::Document::parse(&map).unwrap();
+    let texts: Vec<&str> = ids.descendants().filter(|n| n.has_tag_name("text")).filter_map(|n| n.text()).collect();
+    for (wanted, times) in [
+        ("disk", 1),
+        ("gaussian:sigma=0.2,", 1),
+        ("formula:3", 0),
+        ("ν_x (cycles per unit length)", 2),
+        ("ν_y (cycles per unit length)", 2),
+        ("|f_m|² P / v₀", 2),
+    ] {
+        assert_eq!(texts.iter().filter(|text| text.starts_with(wanted)).count(), times, "{wanted}: {texts:?}");
+    }
+    assert!(page.contains(">gaussian:sigma=0.2,") && page.contains("what each adds to the variance"));
+    let (none, page) = read(
+        &line.replace("jittered", "random").replace("--integrand disk", "").replace("gaussian:sigma=0.2", "formula:4"),
+    );
+    assert!(none.is_none() && !page.contains("what each adds to the variance"));
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub struct Viewer {
     asked: BTreeMap<SetId, Request>,
     /// Whether it was last told to leave a set as it is: every set that it knows is here.
     held: BTreeMap<SetId, bool>,
+    /// Whether it was last told to measure at fewer points too.
+    climbs: BTreeMap<SetId, bool>,
     /// Which realization it was last told to draw.
     looked: BTreeMap<SetId, u64>,
     has_style: bool,
@@ -73,6 +75,7 @@ impl Viewer {
             worker: Worker::new(notify)?,
             asked: BTreeMap::new(),
             held: BTreeMap::new(),
+            climbs: BTreeMap::new(),
             looked: BTreeMap::new(),
             has_style: false,
             title: String::new(),
@@ -117,12 +120,16 @@ impl Viewer {
                 self.held.insert(id, held);
                 self.worker.hold(id, held);
             }
+            let climbs = self.state.climbs(set);
             let set = &mut self.state.sets[index];
             if set.visible && self.asked.get(&id) != Some(&wanted) {
                 // Other settings start what was cancelled.
                 set.cancelled = false;
                 self.asked.insert(id, wanted.clone());
                 self.worker.set(id, wanted);
+            }
+            if self.asked.contains_key(&id) && self.climbs.insert(id, climbs).unwrap_or(false) != climbs {
+                self.worker.climb(id, climbs);
             }
             if let Some(latest) = self.worker.latest(id) {
                 set.snapshot = Some(latest);
@@ -139,6 +146,7 @@ impl Viewer {
         self.held.keys().filter(|id| !is_there(id)).for_each(|id| self.worker.remove(*id));
         self.asked.retain(|id, _| is_there(id));
         self.held.retain(|id, _| is_there(id));
+        self.climbs.retain(|id, _| is_there(id));
         self.looked.retain(|id, _| is_there(id));
     }
 

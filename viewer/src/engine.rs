@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use pairwave::analysis::{Analysis, Measurement, Status};
 use pairwave::compute::Device;
 use pairwave::control::Control;
+use pairwave::convergence::{Climb, Convergence};
 use pairwave::points::Ensemble;
 use pairwave::request::{DeviceChoice, PointsRequest, Request};
 use pairwave::{Error, Result, Setting};
@@ -40,6 +41,26 @@ pub struct Snapshot {
     pub device: String,
     /// Counts the snapshots of all sets: pictures of an older one are stale.
     pub generation: u64,
+    /// Variances of integrals at fewer points, where they are looked at.
+    pub climb: Option<Climbed>,
+}
+
+/// How far variances against the number of points are.
+#[derive(Debug, Clone, Default)]
+pub struct Climbed {
+    /// What is found so far.
+    pub found: Option<Arc<Convergence>>,
+    /// Numbers of points that are measured, and all of them.
+    pub progress: (u64, u64),
+    /// Why there are no more of them.
+    pub error: Option<String>,
+}
+
+impl Climbed {
+    /// Whether nothing is left to measure.
+    pub fn is_done(&self) -> bool {
+        self.error.is_some() || self.found.is_some() && self.progress.0 == self.progress.1
+    }
 }
 
 /// Measurements under way.
@@ -49,6 +70,8 @@ pub struct Engine {
     jobs: BTreeMap<SetId, Task>,
     /// Sets that wait, with what they have.
     held: BTreeSet<SetId>,
+    /// Sets whose variances at fewer points are wanted.
+    climbs: BTreeSet<SetId>,
     devices: Vec<Opened>,
     /// The set that the last step was of.
     last: SetId,
@@ -70,6 +93,9 @@ struct Task {
     /// The realization that is to be drawn, and that of `points`.
     chosen: u64,
     points: Option<Arc<Ensemble>>,
+    /// Variances at fewer points: their measurement, and what was given out of it.
+    climb: Option<Climb>,
+    climbed: Option<Climbed>,
     /// What was given out last.
     last: Option<Snapshot>,
     /// Nothing is left to do, or it failed.
@@ -82,11 +108,45 @@ impl Task {
         let there = self.points.as_ref().map_or(0, |points| points.first_index());
         self.chosen != there && !self.changed && self.last.is_some() && self.measurement.is_some()
     }
+
+    /// Whether there are numbers of points to measure, once all realizations are in.
+    fn has_to_climb(&self) -> bool {
+        let may = self.idle && self.last.as_ref().is_some_and(|last| last.done);
+        may && !self.climbed.as_ref().is_some_and(Climbed::is_done)
+    }
+
+    /// Measures at one more number of points.
+    fn climb(&mut self, control: &Control) -> Result<()> {
+        let Some(device) = &self.device else { return Ok(()) };
+        let climb = match &mut self.climb {
+            Some(climb) => climb,
+            none => match Climb::below(&self.request, control).transpose()? {
+                Some(climb) => none.insert(climb),
+                None => {
+                    let error = Some("only samplers make points of other numbers".to_string());
+                    self.climbed = Some(Climbed { error, ..Climbed::default() });
+                    return Ok(());
+                }
+            },
+        };
+        climb.advance(device, control, &mut |_| ())?;
+        let found = Some(Arc::new(climb.found()));
+        self.climbed = Some(Climbed { found, progress: climb.progress(), error: None });
+        Ok(())
+    }
 }
 
 impl Default for Engine {
     fn default() -> Self {
-        Self { pace: PACE, jobs: BTreeMap::new(), held: BTreeSet::new(), devices: Vec::new(), last: 0, generation: 0 }
+        Self {
+            pace: PACE,
+            jobs: BTreeMap::new(),
+            held: BTreeSet::new(),
+            climbs: BTreeSet::new(),
+            devices: Vec::new(),
+            last: 0,
+            generation: 0,
+        }
     }
 }
 
@@ -101,12 +161,18 @@ impl Engine {
             shown: None,
             chosen: 0,
             points: None,
+            climb: None,
+            climbed: None,
             last: None,
             idle: false,
         });
         let of_one = |points: &PointsRequest| PointsRequest { realizations: None, ..points.clone() };
         if of_one(&job.request.input) != of_one(&request.input) {
             job.points = None;
+        }
+        // Which statistics are shown beside is nothing to them.
+        if job.request.only(&[]) != request.only(&[]) {
+            (job.climb, job.climbed) = (None, None);
         }
         (job.request, job.changed, job.idle, job.shown) = (request, true, false, None);
     }
@@ -115,6 +181,7 @@ impl Engine {
     pub fn remove(&mut self, id: SetId) {
         self.jobs.remove(&id);
         self.held.remove(&id);
+        self.climbs.remove(&id);
     }
 
     /// Leaves a set as it is, or goes on with it.
@@ -123,6 +190,15 @@ impl Engine {
             self.held.insert(id);
         } else {
             self.held.remove(&id);
+        }
+    }
+
+    /// Has variances of integrals measured at fewer points too, once all realizations are in, or no longer.
+    pub fn climb(&mut self, id: SetId, climbs: bool) {
+        if climbs {
+            self.climbs.insert(id);
+        } else {
+            self.climbs.remove(&id);
         }
     }
 
@@ -169,7 +245,11 @@ impl Engine {
 
     /// The set whose turn it is.
     pub fn next(&self) -> Option<SetId> {
-        let busy = || self.jobs.iter().filter(|(id, job)| !job.idle && !self.held.contains(id)).map(|(&id, _)| id);
+        let free = |(id, job): &(&SetId, &Task)| {
+            let has_work = !job.idle || self.climbs.contains(*id) && job.has_to_climb();
+            has_work && !self.held.contains(*id)
+        };
+        let busy = || self.jobs.iter().filter(free).map(|(&id, _)| id);
         busy().find(|&id| id > self.last).or_else(|| busy().next())
     }
 
@@ -186,7 +266,7 @@ impl Engine {
         let (generation, device) = (self.generation, String::new());
         let (analysis, status, setting) = (None, None, None);
         let (done, error, points) = (false, Some(error), None);
-        (id, Snapshot { request, analysis, points, status, done, error, setting, device, generation })
+        (id, Snapshot { request, analysis, points, status, done, error, setting, device, generation, climb: None })
     }
 
     /// One step of the set whose turn it is. What there is to show of it, when it is time to.
@@ -194,6 +274,20 @@ impl Engine {
         let id = self.next()?;
         self.last = id;
         let mut job = self.jobs.remove(&id)?;
+        if job.idle {
+            let climbed = job.climb(control);
+            let cancelled = matches!(climbed, Err(Error::Cancelled));
+            if let (Err(error), false) = (climbed, cancelled) {
+                let before = job.climbed.take().unwrap_or_default();
+                job.climbed = Some(Climbed { error: Some(error.told(controls::title)), ..before });
+            }
+            if let Some(last) = &mut job.last {
+                last.climb = job.climbed.clone();
+            }
+            let snapshot = job.last.clone().filter(|_| !cancelled);
+            self.jobs.insert(id, job);
+            return snapshot.map(|s| (id, s));
+        }
         // The one place that waits; in a window it is on the worker's thread.
         let more = pollster::block_on(self.step_of(&mut job, control));
         let ended = !matches!(more, Ok(true));
@@ -223,6 +317,7 @@ impl Engine {
                 },
                 device: device.unwrap_or_default(),
                 generation: self.generation,
+                climb: job.climbed.clone(),
             }
         });
         if snapshot.is_some() {

@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use pairwave::Integrand;
 use pairwave::analysis::Analysis;
+use pairwave::display::Attribution;
+use pairwave::estimate::IntegrationError;
 use pairwave::points::Ensemble;
 use pairwave::request::Request;
 use pairwave::samplers::find;
 
 use crate::engine::{SetId, Snapshot};
+use crate::view::View;
 
 /// How many sets are shown at most.
 pub(crate) const MOST_SETS: usize = 4;
@@ -46,8 +49,19 @@ impl Set {
 
     /// The integrand that is drawn where there is room for one: that of this number, or the last.
     pub(crate) fn integrand(&self, index: usize) -> Option<&Integrand> {
+        self.integration(index).map(|error| &error.integrand)
+    }
+
+    /// What is known of its integral.
+    fn integration(&self, index: usize) -> Option<&IntegrationError> {
         let each = &self.analysis()?.integration()?.each;
-        each.get(index).or(each.last()).map(|error| &error.integrand)
+        each.get(index).or(each.last())
+    }
+
+    /// What frequencies add to the variance of that integral, where it is to be seen.
+    pub(crate) fn attribution(&self, view: &View) -> Option<Attribution<'_>> {
+        let error = self.integration(view.integrand).filter(|_| view.attribution && !view.paper)?;
+        Attribution::of(self.analysis()?, error)
     }
 
     /// The last realization there is.

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use pairwave::display::Panel;
 use pairwave::request::{PointsRequest, Request, Statistic};
 
-use crate::engine::{SetId, Snapshot};
+use crate::engine::{Climbed, SetId, Snapshot};
 use crate::messages::Messages;
 use crate::set::{MOST_SETS, Set, Wanted, of_sampler, with_integrands};
-use crate::view::View;
+use crate::view::{Integrals, View};
 
 /// Realizations are not doubled beyond this.
 const MOST_REALIZATIONS: u64 = 1 << 30;
@@ -194,12 +194,19 @@ impl State {
         }
     }
 
+    /// Whether variances of integrals at fewer points of a set are wanted.
+    pub(crate) fn climbs(&self, set: &Set) -> bool {
+        let seen = self.view.is_shown(Panel::Integration) && self.view.integrals == Integrals::Numbers;
+        seen && set.visible && !set.request.integrand.is_empty()
+    }
+
     /// Whether everything asked for is there.
     pub(crate) fn is_settled(&self) -> bool {
-        let settled = |s: &Snapshot| s.done || s.error.is_some();
+        let climbed = |set, s: &Snapshot| !self.climbs(set) || s.climb.as_ref().is_some_and(Climbed::is_done);
+        let settled = |set, s: &Snapshot| s.done && climbed(set, s) || s.error.is_some();
         self.sets
             .iter()
             .filter(|s| s.visible && !s.cancelled)
-            .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(s) && s.request == self.wanted(set)))
+            .all(|set| set.snapshot.as_deref().is_some_and(|s| settled(set, s) && s.request == self.wanted(set)))
     }
 }

@@ -4,7 +4,7 @@ use eframe::egui;
 use pairwave::display::Panel;
 
 use crate::actions::{Action, Keyed};
-use crate::engine::Snapshot;
+use crate::engine::{Climbed, Snapshot};
 use crate::state::State;
 use crate::style;
 
@@ -25,7 +25,9 @@ pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Actio
             _ = ui.label(if state.paused { "paused" } else { "opening the device…" });
             return;
         };
-        let (busy, cancelled) = (!snapshot.done && snapshot.error.is_none(), set.cancelled);
+        let climb = snapshot.climb.as_ref().filter(|_| state.climbs(set));
+        let climbing = state.climbs(set) && !climb.is_some_and(Climbed::is_done);
+        let (busy, cancelled) = ((!snapshot.done || climbing) && snapshot.error.is_none(), set.cancelled);
         if busy || cancelled {
             let (sign, text) = if cancelled {
                 ("↻", "Go on with this set")
@@ -63,7 +65,10 @@ pub(crate) fn show(ui: &mut egui::Ui, state: &State, timings: bool) -> Vec<Actio
         let hidden = Panel::ALL.iter().filter(|p| !state.view.is_shown(**p)).map(|p| p.name()).collect::<Vec<_>>();
         let skipped = if hidden.is_empty() { String::new() } else { format!("not computed: {}", hidden.join(", ")) };
         let time = if timings { status.time() } else { String::new() };
-        let parts = [&snapshot.device, &status.work(), &time, &status.spared(), &skipped];
+        let at = climb
+            .filter(|_| busy)
+            .map_or(String::new(), |climb| format!("against n: {} of {}", climb.progress.0, climb.progress.1));
+        let parts = [&at, &snapshot.device, &status.work(), &time, &status.spared(), &skipped];
         let line = parts.into_iter().filter(|p| !p.is_empty()).cloned().collect::<Vec<_>>().join("  ·  ");
         let seconds = |(stage, s): &(&str, f64)| format!("\n{stage}: {:.3} s", s);
         let stages: String = status.timings.iter().map(seconds).collect();

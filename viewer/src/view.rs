@@ -77,11 +77,13 @@ pub enum Integrals {
     Frequencies,
     /// At which distances correlation acts.
     Distances,
+    /// Variances against the number of points.
+    Numbers,
 }
 
 impl Integrals {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Errors, Self::Frequencies, Self::Distances];
+    pub const ALL: [Self; 4] = [Self::Errors, Self::Frequencies, Self::Distances, Self::Numbers];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -89,6 +91,7 @@ impl Integrals {
             Self::Errors => "variance",
             Self::Frequencies => "by frequency",
             Self::Distances => "by distance",
+            Self::Numbers => "against n",
         }
     }
 }

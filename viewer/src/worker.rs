@@ -34,6 +34,8 @@ struct Desk {
     looks: BTreeMap<SetId, u64>,
     /// Sets to be left as they are, or to go on with.
     holds: BTreeMap<SetId, bool>,
+    /// Sets whose variances at fewer points are wanted, or no longer.
+    climbs: BTreeMap<SetId, bool>,
     results: BTreeMap<SetId, Arc<Snapshot>>,
     paused: bool,
     stopped: bool,
@@ -88,6 +90,16 @@ impl Worker {
         let mut desk = self.shared.desk();
         desk.holds.insert(id, held);
         if let Some((_, control)) = desk.step.as_ref().filter(|(of, _)| held && *of == id) {
+            control.cancel();
+        }
+        self.shared.wake.notify_one();
+    }
+
+    /// Has variances of integrals of a set measured at fewer points too, or no longer; a step under way is given up then.
+    pub fn climb(&self, id: SetId, climbs: bool) {
+        let mut desk = self.shared.desk();
+        desk.climbs.insert(id, climbs);
+        if let Some((_, control)) = desk.step.as_ref().filter(|(of, _)| !climbs && *of == id) {
             control.cancel();
         }
         self.shared.wake.notify_one();
@@ -150,7 +162,9 @@ fn run(shared: &Shared) {
         let desk = shared.desk();
         let nothing = |desk: &mut Desk| {
             let to_do = !desk.paused && !engine.is_idle() || engine.looking().is_some();
-            !desk.stopped && desk.wishes.is_empty() && desk.holds.is_empty() && desk.looks.is_empty() && !to_do
+            let told =
+                desk.wishes.is_empty() && desk.holds.is_empty() && desk.looks.is_empty() && desk.climbs.is_empty();
+            !desk.stopped && told && !to_do
         };
         let desk = shared.wake.wait_while(desk, nothing).unwrap_or_else(PoisonError::into_inner);
         if desk.stopped {
@@ -175,6 +189,9 @@ fn turn(shared: &Shared, engine: &mut Engine) {
         }
         for (id, held) in std::mem::take(&mut desk.holds) {
             engine.hold(id, held);
+        }
+        for (id, climbs) in std::mem::take(&mut desk.climbs) {
+            engine.climb(id, climbs);
         }
         for (id, realization) in std::mem::take(&mut desk.looks) {
             engine.look(id, realization);

@@ -118,7 +118,7 @@ pub struct Plotted {
 }
 
 /// Pictures of an analysis that are no curves.
-const PICTURES: [&str; 5] = ["spectrum", "spectrum_grey", "pcf_vector", "covariance", "points"];
+const PICTURES: [&str; 6] = ["spectrum", "spectrum_grey", "pcf_vector", "covariance", "attribution_map", "points"];
 
 /// Colours in turn, and those with other names.
 const COLORS: [(&str, Rgb); 8] = [

@@ -74,6 +74,14 @@ impl Room for Here {
                         .to_string()
                 })
             };
+            let modes = |a: &Analysis, _: &str| {
+                a.integration().map(|_| {
+                    "|<i>f</i><sub><b>m</b></sub>|<sup>2</sup> <i>P</i>(<b>m</b>) / <i>v</i><sub>0</sub> over frequencies, with \
+                     <i>v</i><sub>0</sub> = ∫<i>f</i><sup>2</sup> − <i>I</i><sup>2</sup>: what each adds to the variance, over that of as many \
+                     random points. The sum over all of them is the prediction without its tail."
+                        .to_string()
+                })
+            };
             &[
                 Output::table("variance.csv", tables::variance).shown(
                     "integration error",
@@ -97,12 +105,19 @@ impl Room for Here {
                 Output {
                     name: "variance.svg",
                     turn: Turn::Figure,
-                    make: Make::Svg(|a| a.integration().map(|found| figures::variance(a, found))),
+                    make: Make::Svg(|a| a.integration().map(|_| figures::variance(a))),
                     place: Some(Place { heading: "Integration error", caption }),
                     shown: None,
                 },
                 Output::figure("attribution.svg", figures::attribution, "Integration error", sources),
                 Output::figure("attribution_lags.svg", figures::lags, "Integration error", distances),
+                Output {
+                    name: "attribution_map.svg",
+                    turn: Turn::Image,
+                    make: Make::Maps(figures::maps),
+                    place: Some(Place { heading: "Integration error", caption: modes }),
+                    shown: None,
+                },
             ]
         }
     }

@@ -22,8 +22,6 @@ use crate::view::View;
 #[derive(Default)]
 pub(crate) struct Images {
     kept: HashMap<(Panel, SetId), KeptPicture>,
-    /// Of sets whose variance is mapped.
-    attributions: HashMap<SetId, Attribution>,
 }
 
 /// A picture of a snapshot.
@@ -56,9 +54,9 @@ enum Looks {
 }
 
 impl Shades {
-    fn pixels(&self, analysis: &Analysis, attribution: Option<&Attribution>) -> Option<Pixels> {
+    fn pixels(&self, analysis: &Analysis, attribution: Option<Attribution<'_>>) -> Option<Pixels> {
         match self.looks {
-            Looks::Variance(_, colors, largest) => attribution?.pixels(analysis, largest, colors, self.most),
+            Looks::Variance(_, colors, largest) => Some(attribution?.pixels(largest, colors, self.most)),
             Looks::Spectrum(tone_map, colors, white) => {
                 spectrum_pixels(analysis, tone_map, Some(white), colors, None, self.most)
             }
@@ -73,11 +71,11 @@ impl Shades {
     fn bar(
         &self,
         analysis: &Analysis,
-        attribution: Option<&Attribution>,
+        attribution: Option<Attribution<'_>>,
     ) -> (Vec<(f64, String)>, ColorMap, &'static str, String) {
         match self.looks {
             Looks::Variance(_, colors, largest) => {
-                let text = attribution.map(Attribution::definition).unwrap_or_default();
+                let text = attribution.map(|map| map.definition()).unwrap_or_default();
                 (Attribution::ticks(largest), colors, "|f|²P/v₀", text)
             }
             Looks::Spectrum(tone_map, colors, white) => {
@@ -114,7 +112,7 @@ impl Images {
             planes(ui, scene);
         }
         if !scene.view.side_by_side {
-            readout(ui, panel, scene, first, self.attributions.get(&scene.sets[first].id));
+            readout(ui, panel, scene, first);
         }
         let Some(analysis) = scene.sets[first].analysis() else { return };
         let area = ui.available_rect_before_wrap();
@@ -130,13 +128,13 @@ impl Images {
             let builder = egui::UiBuilder::new().max_rect(rect).id_salt(index);
             ui.scope_builder(builder, |ui| {
                 if scene.view.side_by_side {
-                    readout(ui, panel, scene, of, self.attributions.get(&scene.sets[of].id));
+                    readout(ui, panel, scene, of);
                 }
                 self.picture(ui, panel, (index, of), frame, scene, zoomed);
             });
         }
         if let Some(kept) = self.kept.get(&(panel, scene.sets[first].id)) {
-            color_bar(ui, bar, kept.of.bar(analysis, self.attributions.get(&scene.sets[first].id)));
+            color_bar(ui, bar, kept.of.bar(analysis, scene.sets[first].attribution(scene.view)));
         }
         ui.allocate_rect(area, egui::Sense::hover());
     }
@@ -150,21 +148,16 @@ impl Images {
             let chosen = shown.iter().copied().find(|&s| s == scene.selected).or(shown.first().copied());
             shown = chosen.into_iter().collect();
         }
-        self.attribute(panel, scene, &shown);
         // One colour bar for all.
         let most_of = |value: fn(&Analysis) -> Option<f64>| {
             shown.iter().filter_map(|&s| scene.sets[s].analysis()).filter_map(value).reduce(f64::max).unwrap_or(1.0)
         };
+        let maps = || shown.iter().filter_map(|&s| scene.sets[s].attribution(scene.view));
         let looks = match panel {
             Panel::Spectrum if scene.view.paper => Looks::Paper,
-            Panel::Spectrum if !self.attributions.is_empty() => {
-                let largest = |&s: &usize| {
-                    let set = &scene.sets[s];
-                    Some(self.attributions.get(&set.id)?.largest(set.analysis()?))
-                };
-                let named = shown.iter().find_map(|s| scene.sets[*s].integrand(scene.view.integrand));
-                let spec = named.map_or(String::new(), |integrand| integrand.spec().to_string());
-                let largest = shown.iter().filter_map(largest).fold(0.0, f64::max);
+            Panel::Spectrum if maps().next().is_some() => {
+                let spec = maps().next().map_or(String::new(), |map| map.spec().to_string());
+                let largest = maps().map(|map| map.largest()).fold(0.0, f64::max);
                 Looks::Variance(spec, scene.view.spectrum_colors, largest)
             }
             Panel::Spectrum => {
@@ -184,7 +177,7 @@ impl Images {
             if self.kept.get(&key).is_some_and(|kept| kept.of == of) {
                 continue;
             }
-            let Some(pixels) = of.pixels(analysis, self.attributions.get(&set.id)) else {
+            let Some(pixels) = of.pixels(analysis, set.attribution(scene.view)) else {
                 self.kept.remove(&key);
                 continue;
             };
@@ -204,26 +197,6 @@ impl Images {
         }
         shown.retain(|&s| self.kept.contains_key(&(panel, scene.sets[s].id)));
         shown
-    }
-
-    /// Brings up to date what maps of variance are made of, where one is asked for.
-    fn attribute(&mut self, panel: Panel, scene: &Scene<'_>, shown: &[usize]) {
-        if panel != Panel::Spectrum {
-            return;
-        }
-        let wanted = scene.view.attribution && !scene.view.paper;
-        self.attributions.retain(|id, _| wanted && shown.iter().any(|&s| scene.sets[s].id == *id));
-        for set in shown.iter().map(|&s| &scene.sets[s]).filter(|_| wanted) {
-            let found = set.analysis().zip(set.integrand(scene.view.integrand));
-            let kept = self.attributions.get(&set.id);
-            if found.is_some_and(|(analysis, f)| kept.is_some_and(|kept| kept.suits(analysis, f))) {
-                continue;
-            }
-            match found.and_then(|(analysis, f)| Attribution::new(analysis, f)) {
-                Some(made) => _ = self.attributions.insert(set.id, made),
-                None => _ = self.attributions.remove(&set.id),
-            }
-        }
     }
 
     /// The axes of a picture, and what it shows.
@@ -311,8 +284,9 @@ fn mark(plot: &mut PlotUi<'_>, panel: Panel, axis: Axis, hover: &Hover, ink: egu
 }
 
 /// A line with the name of a set, or what it is at under the pointer.
-fn readout(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, of: usize, attribution: Option<&Attribution>) {
+fn readout(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, of: usize) {
     let set = &scene.sets[of];
+    let attribution = set.attribution(scene.view).filter(|_| panel == Panel::Spectrum);
     let Some(analysis) = set.analysis() else { return };
     let said = match (panel, scene.hover.place()) {
         (Panel::Spectrum, Some(Place::Mode(nu))) => {
@@ -324,8 +298,7 @@ fn readout(ui: &mut egui::Ui, panel: Panel, scene: &Scene<'_>, of: usize, attrib
         _ => None,
     };
     let plane = if panel == Panel::Spectrum && analysis.domain.dim() > 2 { ", plane m_z = 0" } else { "" };
-    let of_what = set.integrand(scene.view.integrand).filter(|_| panel == Panel::Spectrum && attribution.is_some());
-    let of_what = of_what.map_or(String::new(), |integrand| format!(", {}", integrand.spec()));
+    let of_what = attribution.map_or(String::new(), |map| format!(", {}", map.spec()));
     let text = said.unwrap_or_else(|| format!("{}{plane}{of_what}", set.name()));
     line(ui, vec![(set.color, text.clone(), text)], Vec::new());
 }

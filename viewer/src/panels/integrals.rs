@@ -1,8 +1,11 @@
-//! Errors of integrals: predicted and observed variances as dots with their errors, and what the variance comes from.
+//! Errors of integrals: predicted and observed variances as dots with their errors, what the variance comes from, and how it falls with the
+//! number of points.
 
 use eframe::egui;
-use egui_plot::{HLine, Line, LineStyle, PlotPoints, Points, VLine};
-use pairwave::display::{Decades, ErrorBar, ErrorBars, Form, Frame, Origin, Panel, Shares, error_bars};
+use egui_plot::{HLine, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, Points, Text, VLine};
+use pairwave::display::{
+    Decades, ErrorBar, ErrorBars, Form, Frame, Ladder, LadderFrame, Origin, Panel, Rung, Shares, error_bars,
+};
 
 use super::chart::{Chart, Zoomed};
 use super::{Scene, line, said_instead};
@@ -28,6 +31,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &mut Scene<'_>, zoomed: &mut Zoomed
         Integrals::Errors => errors(ui, scene, &drawn),
         Integrals::Frequencies => shares(ui, scene, zoomed, &drawn, Origin::Frequencies),
         Integrals::Distances => shares(ui, scene, zoomed, &drawn, Origin::Distances),
+        Integrals::Numbers => ladders(ui, scene, zoomed, &drawn),
     }
 }
 
@@ -40,6 +44,7 @@ fn kinds(ui: &mut egui::Ui, scene: &mut Scene<'_>, zoomed: &mut Zoomed) {
                 Integrals::Errors => Panel::Integration.definition(),
                 Integrals::Frequencies => Origin::Frequencies.definition(),
                 Integrals::Distances => Origin::Distances.definition(),
+                Integrals::Numbers => LadderFrame::DEFINITION,
             };
             let text = egui::RichText::new(kind.name()).small();
             let chosen = scene.view.integrals == kind;
@@ -331,6 +336,94 @@ fn shares(ui: &mut egui::Ui, scene: &mut Scene<'_>, zoomed: &mut Zoomed, drawn: 
                 let dot = Points::new("value", vec![place]).radius(3.5).color(colors::set(sets[*s].color, dark));
                 plot.points(dot.allow_hover(false));
             }
+        }
+    });
+    if let Some(pointer) = shown.pointer() {
+        scene.hover.at(Panel::Integration, Place::Share(pointer.x));
+    }
+}
+
+/// Variances against the number of points, of the chosen integrand.
+fn ladders(ui: &mut egui::Ui, scene: &mut Scene<'_>, zoomed: &mut Zoomed, drawn: &[usize]) {
+    let of = |set: &Set| -> Option<Ladder> {
+        let each = &set.analysis()?.integration()?.each;
+        let found = set.snapshot.as_ref()?.climb.as_ref()?.found.clone()?;
+        found.ladders(scene.view.integrand.min(each.len().saturating_sub(1))).into_iter().next()
+    };
+    let found: Vec<(usize, Ladder)> = drawn.iter().filter_map(|&s| Some((s, of(&scene.sets[s])?))).collect();
+    let at = match scene.hover.place() {
+        Some(Place::Share(at)) => Some(at),
+        _ => None,
+    };
+    readout(ui, scene, drawn, |set| {
+        let climb = set.snapshot.as_ref()?.climb.as_ref()?;
+        let ladder = found.iter().find(|(s, _)| scene.sets[*s].id == set.id).map(|(_, ladder)| ladder);
+        let (done, all) = climb.progress;
+        match (ladder, &climb.error) {
+            (_, Some(error)) => Some(error.clone()),
+            (Some(ladder), _) if at.is_some() => at.and_then(|at| ladder.at(at)).map(|(_, text)| text),
+            (Some(ladder), _) if done < all => Some(format!("{}, {done} of {all} numbers of points", ladder.spec)),
+            (Some(ladder), _) => Some(format!("{}, {}", ladder.spec, ladder.text())),
+            _ => None,
+        }
+    });
+    let Some(frame) = LadderFrame::of(found.iter().map(|(_, ladder)| ladder)) else {
+        let failed = drawn.iter().find_map(|&s| scene.sets[s].snapshot.as_ref()?.climb.as_ref()?.error.clone());
+        let text = match (failed, found.is_empty()) {
+            (Some(failed), _) => failed,
+            (None, true) => "measuring at fewer points…".into(),
+            (None, false) => "no variance above 0".into(),
+        };
+        return said_instead(ui, scene, &text);
+    };
+    let names: Vec<String> = found.iter().map(|(s, _)| scene.sets[*s].described()).collect();
+    let [x, y] = LadderFrame::axes();
+    let described = format!("{} of {}, along {}", y.label(), names.join(", "), x.label());
+    let chart = Chart {
+        panel: Panel::Integration,
+        index: 2,
+        x,
+        y,
+        frame: frame.frame(),
+        square: false,
+        picture: false,
+        described: &described,
+        fit: None,
+    };
+    let (dark, weak, ink) = (ui.visuals().dark_mode, ui.visuals().weak_text_color(), ui.visuals().strong_text_color());
+    let sets = scene.sets;
+    let log = |[n, v]: [f64; 2]| [n.log10(), v.log10()];
+    let beside = 0.008 * (frame.frame().x[1] - frame.frame().x[0]);
+    let shown = chart.show(ui, zoomed, |plot| {
+        for (line, name) in frame.references() {
+            let ends = line.map(log);
+            let drawn = Line::new("slope", ends.to_vec()).color(weak.gamma_multiply(0.8)).width(1.0);
+            plot.line(drawn.style(LineStyle::dashed_dense()).allow_hover(false));
+            let place = PlotPoint::new(ends[1][0] + beside, ends[1][1]);
+            let text = egui::RichText::new(name).small();
+            plot.text(Text::new("slope", place, text).color(weak).anchor(egui::Align2::LEFT_CENTER).allow_hover(false));
+        }
+        for (s, ladder) in &found {
+            let color = colors::set(sets[*s].color, dark);
+            if let Some(fit) = frame.fit(ladder) {
+                plot.line(Line::new("fit", fit.map(log).to_vec()).color(color).width(1.8).allow_hover(false));
+            }
+            for mark in frame.marks(ladder) {
+                let place = |v: f64| [mark.n.log10() + beside * mark.beside, v.log10()];
+                let bar = Line::new("error", mark.ends.map(place).to_vec()).color(color).width(1.0);
+                plot.line(bar.allow_hover(false));
+                let (shape, filled) = match mark.rung {
+                    Rung::Predicted => (MarkerShape::Circle, true),
+                    Rung::Observed => (MarkerShape::Circle, false),
+                    Rung::Shifted => (MarkerShape::Cross, false),
+                };
+                let dot = Points::new("variance", vec![place(mark.value)]).shape(shape).filled(filled).radius(3.5);
+                plot.points(dot.color(color).allow_hover(false));
+            }
+        }
+        let nearest = at.and_then(|at| found.iter().find_map(|(_, ladder)| ladder.at(at)));
+        if let Some((place, _)) = nearest {
+            plot.vline(VLine::new("pointer", place).color(ink.gamma_multiply(0.5)).width(1.0).allow_hover(false));
         }
     });
     if let Some(pointer) = shown.pointer() {

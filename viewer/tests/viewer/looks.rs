@@ -128,7 +128,9 @@ fn integrals() {
     let of = |integrals: Integrals| View { integrals, ..only(Panel::Integration) };
     let Some(mut window) = window(&both, PANEL, of(Integrals::Errors)) else { return };
     look(&mut seen, &mut window, "integrals_variance");
-    for (kind, name) in [(Integrals::Frequencies, "frequencies"), (Integrals::Distances, "distances")] {
+    for (kind, name) in
+        [(Integrals::Frequencies, "frequencies"), (Integrals::Distances, "distances"), (Integrals::Numbers, "numbers")]
+    {
         window.state_mut().set_view(of(kind));
         settle(&mut window);
         look(&mut seen, &mut window, &format!("integrals_{name}"));

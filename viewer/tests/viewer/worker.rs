@@ -7,8 +7,11 @@ use std::time::Duration;
 
 use crate::common::{by_command, request, written};
 use pairwave::analysis::Analysis;
+use pairwave::compute::Device;
+use pairwave::control::Control;
+use pairwave::convergence::{self, Subjects};
 use pairwave::request::Request;
-use pairwave_viewer::engine::{SetId, Snapshot};
+use pairwave_viewer::engine::{Climbed, SetId, Snapshot};
 use pairwave_viewer::worker::Worker;
 
 /// Longer than anything here takes: a wait that ends is a failure.
@@ -96,6 +99,57 @@ fn results_come_no_more_often_than_they_can_be_drawn() {
     // Other settings are seen at once.
     worker.set(1, request("--sampler random -n 1000 -k 100000000 --stats pcf"));
     wait(&worker, &told, 1, |s| !s.done && s.analysis.is_some());
+}
+
+/// Variances against n are those of the command, whether or not they were interrupted, and stay where only panels change.
+#[test]
+fn variances_against_the_number_of_points_are_those_of_the_command() {
+    let (worker, told) = worker();
+    let line = "--sampler jittered -n 144 -k 40 --stats radial --integrand disk --integrand gaussian";
+    let asked = request(line);
+    let climbed = |s: &Snapshot| s.climb.as_ref().is_some_and(Climbed::is_done);
+    worker.set(1, asked.clone());
+    let without = wait(&worker, &told, 1, |s| s.done);
+    assert!(without.climb.is_none(), "not asked for");
+    worker.climb(1, true);
+    wait(&worker, &told, 1, |s| s.climb.as_ref().is_some_and(|climb| climb.progress.0 > 0));
+    worker.climb(1, false);
+    worker.set(2, request("--sampler random -n 50 -k 3"));
+    wait(&worker, &told, 2, |s| s.done);
+    worker.climb(1, true);
+    let end = wait(&worker, &told, 1, climbed);
+    let found = end.climb.as_ref().unwrap().found.clone().unwrap();
+
+    let subjects = Subjects::Samplers(vec!["jittered".into()], "18,36,72,144".parse().unwrap());
+    let device = pollster::block_on(Device::open(asked.device, asked.threads)).unwrap();
+    let expected = convergence::run(&subjects, &asked.only(&[]), &device, &Control::default(), &mut |_| ()).unwrap();
+    assert_eq!(found.text(), expected.text());
+    let ladders = found.ladders(1);
+    assert!(ladders.len() == 1 && ladders[0].spec.starts_with("gaussian"), "{ladders:?}");
+    // Squares near the halves of 144.
+    assert_eq!(ladders[0].points.iter().map(|at| at.n).collect::<Vec<_>>(), [16.0, 36.0, 64.0, 144.0]);
+
+    worker.set(1, request(&line.replace("radial", "pcf")));
+    let other = wait(&worker, &told, 1, |s| s.done && s.analysis.as_ref().is_some_and(|a| a.radial().is_none()));
+    assert!(Arc::ptr_eq(&found, other.climb.as_ref().unwrap().found.as_ref().unwrap()));
+    // Other realizations are others at every n.
+    worker.set(1, request(&line.replace("40", "41")));
+    let other = wait(&worker, &told, 1, |s| climbed(s) && s.request.input.realizations == Some(41));
+    assert_ne!(other.climb.as_ref().unwrap().found.as_ref().unwrap().text(), found.text());
+}
+
+/// Files have no other numbers of points, and say so.
+#[test]
+fn files_have_no_variances_against_the_number_of_points() {
+    let (worker, told) = worker();
+    let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+    std::fs::write(file.path(), "x,y\n0.1,0.2\n0.6,0.7\n").unwrap();
+    worker.climb(1, true);
+    worker.set(1, request(&format!("{} --integrand disk", file.path().display())));
+    let end = wait(&worker, &told, 1, |s| s.climb.is_some());
+    let climb = end.climb.as_ref().unwrap();
+    assert!(climb.is_done() && climb.found.is_none());
+    assert_eq!(climb.error.as_deref(), Some("only samplers make points of other numbers"));
 }
 
 #[test]
