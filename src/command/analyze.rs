@@ -212,6 +212,9 @@ impl Analyze {
 
     /// Says and writes what was predicted without points.
     pub(crate) fn predicted(&self, found: &Predicted) -> Result<()> {
+        if let Some(setting) = self.batch.given() {
+            return Err(Error::setting(setting, "(given)", "is of points, and `p` predicts without them"));
+        }
         let without = [
             (Setting::Prefixes, self.prefixes.is_some()),
             (Setting::Projections, self.projections),

@@ -5,6 +5,7 @@
 mod common;
 
 mod analyze;
+mod batches;
 mod convention;
 mod convergence;
 mod envelope;

@@ -1,0 +1,242 @@
+//! Parts of a batch that are merged, runs that are stopped, killed and gone on with: the bytes are those of one run. Cannot see: a power
+//! failure.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::shared::{Scratch, summary};
+
+/// What is measured: pairs, power, neighbours, amplitudes and integrals, of 70 realizations, which are no whole leaves.
+const RUN: &str = "--sampler jittered -n 64 -k 70 --device cpu --stats pcf,spectrum,neighbors,covariance,counts --covariance-frequency 2 \
+                   --integrand disk --quiet";
+
+/// Everything that does not tell of times and commands.
+fn bytes(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(dir).unwrap().map(|file| file.unwrap().path());
+    let named =
+        files.map(|path| (path.file_name().unwrap().to_str().unwrap().to_string(), std::fs::read(&path).unwrap()));
+    named.filter(|(name, _)| !["summary.json", "report.html", "partial.sums"].contains(&name.as_str())).collect()
+}
+
+/// The summary without what differs between runs.
+fn said(dir: &Path) -> serde_json::Value {
+    let mut summary = summary(dir);
+    let all = summary.as_object_mut().unwrap();
+    for differs in ["timings", "parameters", "files", "rates"] {
+        all.remove(differs);
+    }
+    summary
+}
+
+fn assert_same(scratch: &Scratch, whole: &str, other: &str) {
+    let (whole, other) = (scratch.path(whole), scratch.path(other));
+    let (a, b) = (bytes(&whole), bytes(&other));
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>(), "{}", other.display());
+    let differing: Vec<&String> = a.keys().filter(|name| a[*name] != b[*name]).collect();
+    assert!(differing.is_empty(), "{}: {differing:?}", other.display());
+    assert_eq!(said(&whole), said(&other), "{}", other.display());
+}
+
+#[test]
+fn shards_in_any_order_are_the_whole() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze {RUN} --out whole"));
+    for part in 1..=3 {
+        scratch.ok(&format!("analyze {RUN} --shard {part}/3 --out parts/{part}"));
+        assert_eq!(std::fs::read_dir(scratch.path(&format!("parts/{part}"))).unwrap().count(), 1);
+    }
+    for (k, order) in ["parts/1 parts/2 parts/3", "parts/3 parts/1 parts/2", "parts/2/partial.sums parts/3 parts/1"]
+        .iter()
+        .enumerate()
+    {
+        scratch.ok(&format!("merge {order} --out merged{k}"));
+        assert_same(&scratch, "whole", &format!("merged{k}"));
+    }
+    // A merge may be merged again.
+    scratch.ok("merge parts/3 parts/2 --partial --keep-sums --out some --quiet");
+    let few = summary(&scratch.path("some"));
+    let warnings = few["warnings"].to_string();
+    assert!(warnings.contains("54 of 70 realizations were merged; the others, 1-16, are missing"), "{warnings}");
+    scratch.ok("merge some parts/1 --out again --quiet");
+    let (a, b) = (bytes(&scratch.path("whole")), bytes(&scratch.path("again")));
+    assert!(a == b, "a merge of a merge");
+    scratch.fails(
+        "merge parts/1 parts/3 --out x",
+        1,
+        "merge: no part has the realizations 17-32; --partial does without them",
+    );
+    scratch.fails("merge parts/1 parts/2 parts/1 --out x", 1, "parts/1: merge: both parts hold realizations 0 to 15");
+    scratch.ok(&format!("analyze {} --shard 2/3 --out other", RUN.replace("-n 64", "-n 81")));
+    scratch.fails(
+        "merge parts/1 other --out x",
+        1,
+        "other: merge: the parts are not of the same measurement: points, n: 64, against 81",
+    );
+    scratch.fails("merge nowhere --out x", 1, "nowhere: No such file");
+    scratch.fails("merge whole --out x", 1, "whole: holds no partial.sums; expected a directory that --shard");
+    std::fs::write(scratch.path("parts/1/partial.sums"), b"nothing").unwrap();
+    scratch.fails("merge parts/1 parts/2 --out x", 1, "partial.sums: ");
+    assert!(!scratch.path("x").exists());
+}
+
+#[test]
+fn what_cannot_be_a_part_is_said() {
+    let scratch = Scratch::new();
+    for (arguments, said) in [
+        (
+            format!("{RUN} --shard 6/6 --out x"),
+            "--shard 6/6: expected I/N with 1 <= I <= N <= 5: 70 realizations are summed 16 at a time",
+        ),
+        (format!("{RUN} --shard 3/2 --out x"), "expected I/N with 1 <= I <= N, as 3/20"),
+        (format!("{RUN} --envelope 19 --shard 1/2 --out x"), "--shard 1/2: --envelope needs all realizations at once"),
+        (format!("{RUN} --time-limit soon"), "expected a number of seconds, 0 or more"),
+        (format!("{RUN} --checkpoint 1"), "--out"),
+        (format!("{RUN} --prefixes 4..8 --time-limit 1"), "--time-limit (given): is of one measurement"),
+    ] {
+        scratch.fails(&format!("analyze {arguments}"), 2, said);
+    }
+    assert!(!scratch.path("x").exists());
+}
+
+#[test]
+fn out_of_time_it_is_gone_on_with() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze {RUN} --out whole"));
+    let first = scratch.run(&format!("analyze {RUN} --time-limit 0 --out out"));
+    let told = String::from_utf8(first.stderr).unwrap();
+    assert!(
+        first.status.success()
+            && told.contains("16 of 70 realizations are kept in out: the same command with --resume goes on"),
+        "{told}"
+    );
+    let part = summary(&scratch.path("out"));
+    assert_eq!(part["realizations"], 16, "{part}");
+    assert!(
+        part["warnings"]
+            .to_string()
+            .contains("this is not all that was asked for: 16 of 70 realizations were measured")
+    );
+    scratch.fails(&format!("analyze {RUN} --out out"), 2, "--out out: holds a result already; --force replaces it");
+    scratch.fails(
+        &format!("analyze {} --resume --out out", RUN.replace("-n 64", "-n 81")),
+        1,
+        "points, n: 81, against 64",
+    );
+    // As often as it takes.
+    for _ in 0..2 {
+        scratch.ok(&format!("analyze {RUN} --time-limit 0 --resume --out out"));
+    }
+    scratch.ok(&format!("analyze {RUN} --resume --out out"));
+    assert_same(&scratch, "whole", "out");
+    scratch.fails(&format!("analyze {RUN} --resume --out out"), 2, "holds a result that is whole");
+    // A shard too; and where nothing was begun, it begins.
+    for part in 1..=2 {
+        scratch.ok(&format!("analyze {RUN} --shard {part}/2 --time-limit 0 --resume --out part{part}"));
+        scratch.fails(
+            &format!("analyze {RUN} --shard {part}/2 --out part{part}"),
+            2,
+            "holds a run that is not over: --resume goes on with it",
+        );
+        scratch.ok(&format!("analyze {RUN} --shard {part}/2 --resume --out part{part}"));
+    }
+    scratch.fails(&format!("analyze {RUN} --shard 1/2 --resume --out part2"), 1, "expected realizations 1 to 32 only");
+    scratch.ok("merge part1 part2 --out merged --quiet");
+    assert_same(&scratch, "whole", "merged");
+}
+
+#[test]
+fn realizations_are_added_to_a_result() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze {RUN} --out whole"));
+    scratch.ok(&format!("analyze {} --keep-sums --out few", RUN.replace("-k 70", "-k 37")));
+    scratch.ok(&format!("analyze {RUN} --extend few --out more"));
+    assert_same(&scratch, "whole", "more");
+    let fewer = RUN.replace("-k 70", "-k 20");
+    scratch.fails(&format!("analyze {fewer} --extend few --out less"), 1, "expected realizations 1 to 20 only");
+    // Files too, where there are more of them.
+    for k in 0..5 {
+        scratch.ok(&format!("sample random -n 40 --seed {k} --out points{k}.csv --quiet"));
+    }
+    let files = |n: usize| (0..n).map(|k| format!("points{k}.csv")).collect::<Vec<_>>().join(" ");
+    let line = |n: usize, rest: &str| format!("analyze {} --r-max 0.5 --max-frequency 8 --quiet {rest}", files(n));
+    scratch.ok(&line(5, "--out all"));
+    scratch.ok(&line(3, "--keep-sums --out three"));
+    let output = scratch.run(&line(5, "--extend three --out five"));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() || told.contains("points"), "{told}");
+}
+
+/// A run that writes its sums as often as it can, killed again and again.
+#[test]
+fn killed_at_any_moment_nothing_that_was_kept_is_lost() {
+    let scratch = Scratch::new();
+    let run = RUN.replace("-k 70", "-k 600");
+    scratch.ok(&format!("analyze {run} --out whole"));
+    let mut kills = 0;
+    for attempt in 0.. {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+        command
+            .current_dir(scratch.0.path())
+            .args(format!("analyze {run} --checkpoint 0 --resume --out out").split_whitespace());
+        let mut run = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // At first at random moments, then as long as it takes.
+        if attempt < 12 {
+            std::thread::sleep(Duration::from_millis(15 + 37 * attempt % 120));
+        } else {
+            run.wait().unwrap();
+        }
+        match run.try_wait().unwrap() {
+            Some(status) => {
+                assert!(status.success(), "after {kills} kills: {status}");
+                break;
+            }
+            None => {
+                run.kill().unwrap();
+                run.wait().unwrap();
+                kills += 1;
+            }
+        }
+    }
+    assert!(kills > 3, "{kills} kills");
+    assert_same(&scratch, "whole", "out");
+    assert!(!scratch.path("out/partial.sums.new").exists() && !scratch.path("out/partial.sums").exists());
+    assert_eq!(std::fs::read_dir(scratch.0.path()).unwrap().count(), 2, "nothing else is left");
+}
+
+/// Ctrl-C and the end of a job: what is done is a result, and is gone on with.
+#[cfg(unix)]
+#[test]
+fn interrupted_it_leaves_a_result() {
+    for signal in ["INT", "TERM"] {
+        let scratch = Scratch::new();
+        let run = RUN.replace("-k 70", "-k 100000");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+        command
+            .current_dir(scratch.0.path())
+            .args(format!("analyze {run} --checkpoint 0 --out out").split_whitespace());
+        let running = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        // The first sums are written.
+        while !scratch.path("out/partial.sums").exists() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        Command::new("kill").args([format!("-{signal}"), running.id().to_string()]).status().unwrap();
+        let output = running.wait_with_output().unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{told}");
+        assert!(
+            told.contains("error: cancelled; ")
+                && told.contains(" of 100000 realizations are kept in out: the same command with --resume goes on"),
+            "{told}"
+        );
+        let done = summary(&scratch.path("out"))["realizations"].as_u64().unwrap();
+        assert!((16..100_000).contains(&done) && done.is_multiple_of(16), "{done}");
+        // Fewer than were asked for are a result like any other.
+        scratch.ok(&format!("analyze {} --out whole", RUN.replace("-k 70", &format!("-k {done}"))));
+        let (whole, out) = (bytes(&scratch.path("whole")), bytes(&scratch.path("out")));
+        for name in ["pcf.csv", "spectrum.npy", "variance.csv"] {
+            assert!(whole[name] == out[name], "{name}");
+        }
+    }
+}
