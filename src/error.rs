@@ -128,13 +128,17 @@ impl Error {
 
     /// The message with settings under the names that `name` has for them: the flags of a command line, keywords.
     pub fn told(&self, name: impl Fn(Setting) -> &'static str) -> String {
+        self.told_by(&name)
+    }
+
+    fn told_by(&self, name: &dyn Fn(Setting) -> &'static str) -> String {
         match self {
             Self::Setting { setting, value, reason } => {
                 format!("{} {value}: {}", name(*setting), renamed(reason, name))
             }
             Self::NoDevice { asked, reason } => format!("{} {asked}: {reason}", name(Setting::Device)),
             Self::Input { place, reason } => format!("{place}: {}", renamed(reason, name)),
-            Self::Unfinished { error, kept } => format!("{}; {}", error.told(&name), renamed(kept, &name)),
+            Self::Unfinished { error, kept } => format!("{}; {}", error.told_by(name), renamed(kept, name)),
             other => other.to_string(),
         }
     }

@@ -155,17 +155,14 @@ fn realizations_are_added_to_a_result() {
     assert_same(&scratch, "whole", "more");
     let fewer = RUN.replace("-k 70", "-k 20");
     scratch.fails(&format!("analyze {fewer} --extend few --out less"), 1, "expected realizations 1 to 20 only");
-    // Files too, where there are more of them.
-    for k in 0..5 {
-        scratch.ok(&format!("sample random -n 40 --seed {k} --out points{k}.csv --quiet"));
-    }
-    let files = |n: usize| (0..n).map(|k| format!("points{k}.csv")).collect::<Vec<_>>().join(" ");
-    let line = |n: usize, rest: &str| format!("analyze {} --r-max 0.5 --max-frequency 8 --quiet {rest}", files(n));
-    scratch.ok(&line(5, "--out all"));
-    scratch.ok(&line(3, "--keep-sums --out three"));
-    let output = scratch.run(&line(5, "--extend three --out five"));
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() || told.contains("points"), "{told}");
+    // Other points are not added to.
+    let other = RUN.replace("jittered", "random");
+    scratch.fails(
+        &format!("analyze {other} --extend few --out less"),
+        1,
+        "few: merge: the parts are not of the same measurement: points",
+    );
+    assert!(!scratch.path("less").exists());
 }
 
 /// A run that writes its sums as often as it can, killed again and again.
@@ -239,4 +236,24 @@ fn interrupted_it_leaves_a_result() {
             assert!(whole[name] == out[name], "{name}");
         }
     }
+}
+
+/// The steps of an array of jobs, one after the other where there is no cluster; a second time nothing is done again.
+#[cfg(unix)]
+#[test]
+fn a_cluster_is_an_array_of_parts() {
+    let scratch = Scratch::new();
+    let run = RUN.replace(" --quiet", "");
+    scratch.ok(&format!("analyze {run} --quiet --out whole"));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/slurm/run.sh");
+    let steps = || {
+        let mut command = Command::new("bash");
+        command.arg(script).args(["3", "out"]).args(run.split_whitespace()).current_dir(scratch.0.path());
+        command.env("PAIRWAVE", env!("CARGO_BIN_EXE_pairwave")).env("PATH", "/usr/bin:/bin").output().unwrap()
+    };
+    let first = steps();
+    assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
+    assert_same(&scratch, "whole", "out");
+    let second = String::from_utf8(steps().stderr).unwrap();
+    assert!(second.contains("--out out: holds a result already"), "{second}");
 }

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# A batch on a cluster with Slurm: an array of parts, then one job that merges them.
+#
+#   examples/slurm/run.sh PARTS OUT ARGUMENTS...      ARGUMENTS are those of `pairwave analyze` or `integrate`, without --out
+#   examples/slurm/run.sh 64 result --sampler poisson-disk -n 4096 -k 1000000 --stats pcf,spectrum
+#
+# A part that was stopped, killed or sent away is gone on with where it was when its index runs again: `sbatch --requeue` and
+# `sbatch --array=17 ...` are safe. Without sbatch the same steps run here, one after the other.
+set -euo pipefail
+parts=$1 out=$2
+shift 2
+pairwave=${PAIRWAVE:-pairwave}
+part=("$pairwave" analyze "$@" --quiet --resume --checkpoint 60)
+merge=("$pairwave" merge --quiet --out "$out")
+
+if command -v sbatch >/dev/null; then
+    # A signal two minutes before the end of the job: what is done until then is kept.
+    array=$(sbatch --parsable --requeue --array="1-$parts" --signal=INT@120 --job-name=pairwave \
+        --wrap "$(printf '%q ' "${part[@]}") --threads \${SLURM_CPUS_PER_TASK:-1} --shard \$SLURM_ARRAY_TASK_ID/$parts --out $(printf '%q' "$out").parts/\$SLURM_ARRAY_TASK_ID")
+    sbatch --dependency="afterok:$array" --job-name=pairwave-merge --wrap "$(printf '%q ' "${merge[@]}") $(printf '%q' "$out").parts/*"
+else
+    for ((k = 1; k <= parts; k++)); do
+        # A part that is whole is not done again: it says what it holds.
+        "${part[@]}" --shard "$k/$parts" --out "$out.parts/$k"
+    done
+    "${merge[@]}" "$out".parts/*
+fi
