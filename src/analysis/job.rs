@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::Measurement;
+use super::{Measurement, Plan};
 use crate::compute::Device;
 use crate::control::{Control, Instant, Progress};
 use crate::error::{Error, Result, plural};
@@ -111,6 +111,18 @@ impl Measurement {
         }
         self.merge(earlier)?;
         Ok(self.to(span))
+    }
+
+    /// Adds these realizations to those of an earlier measurement, by the plan that the earlier one was made by: numbers that follow from how
+    /// many realizations there are (points that F is looked at from, windows that are counted in) stay what they were.
+    ///
+    /// # Errors
+    /// As `resume`.
+    pub fn extend(mut self, earlier: Self, device: &Device) -> Result<Self> {
+        let (shape, lists) = (earlier.source.shape(), self.plan.lists.clone());
+        let planned = Plan::with(&self.request, self.source.domain(), shape, self.source.classes(), lists)?;
+        self.plan = planned.for_device(device.compute());
+        Self::new(self.request, self.source, self.plan).resume(earlier)
     }
 
     /// Writes its sums into a directory, whole or not at all.

@@ -32,7 +32,7 @@ pub(crate) struct Batch {
 
     /// Add realizations to those of a result that kept its sums
     ///
-    /// Add realizations to those of a result that kept its sums (--keep-sums): with a larger -k, or more files after the same ones
+    /// Add realizations to those of a result that kept its sums (--keep-sums) of a sampler: -k says how many there are to be
     #[arg(long, help_heading = "Batches", value_name = "DIR", hide_short_help = true, conflicts_with_all = ["shard", "resume"])]
     extend: Option<PathBuf>,
 
@@ -109,9 +109,13 @@ impl Batch {
             Some(Shard { part, of }) => whole.shard(part, of, device)?,
             None => whole,
         };
-        let unfinished = out.filter(|out| self.resume && out.join(report::SUMS).is_file());
-        let Some(earlier) = self.extend.as_deref().or(unfinished) else { return Ok(part) };
-        let of = |error: Error| Error::input(earlier.display().to_string(), error.told(Setting::flag));
-        part.resume(Measurement::load(earlier)?).map_err(of)
+        let of = |place: &Path, error: Error| Error::input(place.display().to_string(), error.told(Setting::flag));
+        if let Some(place) = &self.extend {
+            return part.extend(Measurement::load(place)?, device).map_err(|error| of(place, error));
+        }
+        match out.filter(|out| self.resume && out.join(report::SUMS).is_file()) {
+            Some(place) => part.resume(Measurement::load(place)?).map_err(|error| of(place, error)),
+            None => Ok(part),
+        }
     }
 }

@@ -200,7 +200,7 @@ mod tests {
                 images.times(&[x], 0.25, 1.0, &mut here);
                 let one = |j: i32| (-0.5 * ((x - 0.25 + f64::from(j)) / sigma).powi(2)).exp();
                 let truth: f64 = (-15..=15).map(one).sum();
-                let bound = 4e-15 - 4e-16 * truth.max(1e-308).ln().min(0.0);
+                let bound = 4e-15 - 1e-15 * truth.max(1e-308).ln().min(0.0);
                 assert!((here[0] - truth).abs() <= bound * truth + 1e-300, "{sigma} {x}: {} {truth}", here[0]);
             }
         }

@@ -24,7 +24,7 @@ fn bytes(dir: &Path) -> BTreeMap<String, Vec<u8>> {
 fn said(dir: &Path) -> serde_json::Value {
     let mut summary = summary(dir);
     let all = summary.as_object_mut().unwrap();
-    for differs in ["timings", "parameters", "files", "rates"] {
+    for differs in ["timings_seconds", "parameters"] {
         all.remove(differs);
     }
     summary
@@ -112,7 +112,7 @@ fn out_of_time_it_is_gone_on_with() {
         "{told}"
     );
     let part = summary(&scratch.path("out"));
-    assert_eq!(part["realizations"], 16, "{part}");
+    assert_eq!(part["k"], 16, "{part}");
     assert!(
         part["warnings"]
             .to_string()
@@ -149,14 +149,25 @@ fn out_of_time_it_is_gone_on_with() {
 #[test]
 fn realizations_are_added_to_a_result() {
     let scratch = Scratch::new();
-    scratch.ok(&format!("analyze {RUN} --out whole"));
-    scratch.ok(&format!("analyze {} --keep-sums --out few", RUN.replace("-k 70", "-k 37")));
-    scratch.ok(&format!("analyze {RUN} --extend few --out more"));
+    // Points that F is looked at from and windows that are counted in depend on K: they stay those of the first.
+    let run = RUN.replace("neighbors,covariance,counts", "covariance");
+    scratch.ok(&format!("analyze {run} --out whole"));
+    scratch.ok(&format!("analyze {} --keep-sums --out few", run.replace("-k 70", "-k 37")));
+    scratch.ok(&format!("analyze {run} --extend few --out more"));
     assert_same(&scratch, "whole", "more");
-    let fewer = RUN.replace("-k 70", "-k 20");
+    let fewer = run.replace("-k 70", "-k 20");
     scratch.fails(&format!("analyze {fewer} --extend few --out less"), 1, "expected realizations 1 to 20 only");
+    scratch.ok(&format!("analyze {} --keep-sums --out all", RUN.replace("-k 70", "-k 37")));
+    scratch.ok(&format!("analyze {RUN} --extend all --out all70"));
+    assert_eq!(summary(&scratch.path("all70"))["k"], 70);
+    let finer = RUN.replace("--quiet", "--quiet --bins 17");
+    scratch.fails(
+        &format!("analyze {finer} --extend all --out less"),
+        1,
+        "all: merge: the parts are not of the same measurement: sums, g(r), edges",
+    );
     // Other points are not added to.
-    let other = RUN.replace("jittered", "random");
+    let other = run.replace("jittered", "random");
     scratch.fails(
         &format!("analyze {other} --extend few --out less"),
         1,
@@ -227,7 +238,7 @@ fn interrupted_it_leaves_a_result() {
                 && told.contains(" of 100000 realizations are kept in out: the same command with --resume goes on"),
             "{told}"
         );
-        let done = summary(&scratch.path("out"))["realizations"].as_u64().unwrap();
+        let done = summary(&scratch.path("out"))["k"].as_u64().unwrap();
         assert!((16..100_000).contains(&done) && done.is_multiple_of(16), "{done}");
         // Fewer than were asked for are a result like any other.
         scratch.ok(&format!("analyze {} --out whole", RUN.replace("-k 70", &format!("-k {done}"))));
