@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pairwave::integrand::{Entry, find, registry};
-use pairwave::{Integrand, Result, report};
+use pairwave::{Error, Integrand, Result, Setting, report};
 use serde_json::{Value, json};
 
 #[derive(clap::Args)]
@@ -37,6 +37,10 @@ impl Integrands {
         let made: Vec<Option<Integrand>> = chosen.iter().map(|entry| self.made(entry)).collect::<Result<_>>()?;
         if let Some(dir) = &self.draw {
             let drawn: Vec<&Integrand> = made.iter().flatten().collect();
+            if let (Some(spec), []) = (&self.spec, drawn.as_slice()) {
+                let reason = format!("has nothing to draw; expected {spec}:file=PATH");
+                return Err(Error::setting(Setting::Integrand, spec, reason));
+            }
             let files = report::draw_integrands(dir, &drawn, self.force)?;
             return super::print(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>());
         }

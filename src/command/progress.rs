@@ -20,7 +20,11 @@ pub(crate) fn uninterrupted<T>(write: impl FnOnce() -> T) -> T {
     result
 }
 
-/// A control that Ctrl-C cancels; a second Ctrl-C ends the program at once.
+/// How long work has to end by itself once that was asked for. Some does not look: an integral that is looked for, a file of many
+/// points.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// A control that Ctrl-C cancels; a second Ctrl-C ends the program at once, and so does time.
 pub(crate) fn stop_on_interrupt() -> Result<Arc<Control>> {
     let control = Arc::new(Control::default());
     let watched = Arc::clone(&control);
@@ -29,6 +33,15 @@ pub(crate) fn stop_on_interrupt() -> Result<Arc<Control>> {
             std::process::exit(130);
         }
         watched.cancel();
+        // Without the thread the second Ctrl-C is left.
+        let _ = std::thread::Builder::new().name("cancelled".into()).spawn(|| {
+            std::thread::sleep(GRACE);
+            while WRITING.load(Ordering::SeqCst) {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            super::tell(&format!("error: {}", Error::Cancelled));
+            std::process::exit(130);
+        });
     };
     ctrlc::set_handler(handler).map_err(|e| Error::file("signal handler", std::io::Error::other(e)))?;
     Ok(control)

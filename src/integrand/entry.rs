@@ -119,6 +119,17 @@ pub(super) fn wrong(reason: impl Into<String>) -> Error {
     Error::setting(Setting::Integrand, "", reason)
 }
 
+/// Whether numbers hold the squares of the variances of what has these integrals, of it and of its square.
+pub(super) fn in_range(integral: f64, square: f64) -> Result<()> {
+    if (1e-120..=1e120).contains(&square) || (integral == 0.0 && square == 0.0) {
+        return Ok(());
+    }
+    let square = if square.is_nan() { f64::INFINITY } else { square };
+    Err(wrong(format!(
+        "the integral of its square is {square:e}: the squares of variances of it are no numbers; expected one between 1e-120 and 1e120, such as of the same in other units"
+    )))
+}
+
 /// The line of `name` in a list, which may be an alias.
 pub(super) fn find_in(entries: &'static [&'static Entry], name: &str) -> Result<&'static Entry> {
     let known = |entry: &&&'static Entry| entry.name == name || entry.aliases.contains(&name);

@@ -40,8 +40,8 @@ impl Expression {
         let plain = Reader::new(text, dim).read()?;
         // What the reader lets through is an expression; should the two ever differ, this is said without a place.
         let parsed = exmex::parse::<f64>(&plain).map_err(|error| error.to_string())?;
-        let axis = |name: &String| AXES.iter().position(|axis| axis == name).unwrap_or(0);
-        let axes = parsed.var_names().iter().map(axis).collect();
+        let axis = |name: &String| AXES.iter().position(|axis| axis == name).ok_or(format!("there is no {name}"));
+        let axes = parsed.var_names().iter().map(axis).collect::<Result<_, _>>()?;
         Ok(Self { parsed, axes })
     }
 
@@ -162,6 +162,9 @@ impl<'a> Reader<'a> {
         }
         let typed: String = self.chars[start..self.at].iter().collect();
         let number: f64 = typed.parse().map_err(|_| self.wrong(start, &format!("{typed} is not a number")))?;
+        if number.is_infinite() {
+            return Err(self.wrong(start, &format!("{typed} is too large; numbers reach to 1e308")));
+        }
         self.plain += &number.to_string();
         Ok(())
     }
@@ -310,6 +313,7 @@ mod tests {
             ("siin(x)", "character 1 (s): no such name as siin (did you mean sin?)"),
             ("x + z", "character 5 (z): there is no z in 2D"),
             ("1.2.3", "character 1 (1): 1.2.3 is not a number"),
+            ("x + 1e400", "character 5 (1): 1e400 is too large"),
             ("x^2^3", "character 4 (^): a^b^c has two meanings"),
             ("2^-x^2", "character 5 (^): a^b^c has two meanings"),
             ("x < 0.5", "character 3 (<): expected an operator"),

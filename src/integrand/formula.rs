@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustfft::num_complex::Complex;
 
-use super::entry::{AXES, Entry, Given, wrong};
+use super::entry::{AXES, Entry, Given, in_range, wrong};
 use super::expression::Expression;
 use super::pieces::{CELLS, Known, SPREAD};
 use super::quadrature::{Integrals, over_box};
@@ -29,7 +29,9 @@ pub(super) static ENTRY: Entry = Entry {
 struct Formula {
     dim: usize,
     expression: Expression,
+    /// Of f over `scale`, about its size: errors are told from rounding whatever the size of f.
     integrals: Integrals,
+    scale: f64,
     pieces: Known,
 }
 
@@ -38,7 +40,7 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
     let expression = Expression::parse(text, dim).map_err(wrong)?;
     let value = |x| expression.value(x);
     let cells = CELLS[dim - 1];
-    finite_at_corners(dim, cells, value)?;
+    let scale = size(dim, largest_at_corners(dim, cells, value)?, value);
     // Places between: those of the quadrature, which come near what is infinite where there is such a place.
     let mut bad = None;
     let integrals = over_box(dim, |x| {
@@ -47,24 +49,25 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
             bad.get_or_insert((x, v));
             return 0.0;
         }
-        v
+        v / scale
     });
     if let Some((x, v)) = bad {
         return Err(not_finite(dim, x, v));
     }
+    let (first, second) = (integrals.first * scale, integrals.second * scale * scale);
     // A jump leaves less than that, a pole more.
-    if !(integrals.error < 0.05 * (integrals.first.abs() + integrals.second) && integrals.second.is_finite())
-        && integrals.error > 1e-9
-    {
-        let reason = "the integral of it or of its square does not converge; expected an expression that is finite on the whole box";
+    if integrals.error > (0.05 * (integrals.first.abs() + integrals.second)).max(1e-9) {
+        let reason = "the integral of it or of its square does not converge; expected an expression that is finite on the whole box, and does not vary over less than some hundredth of it everywhere";
         return Err(wrong(reason));
     }
-    let pieces = Known::new(dim, value, integrals.first);
-    Ok(Arc::new(Formula { dim, integrals, pieces, expression }))
+    in_range(first, second)?;
+    let pieces = Known::new(dim, value, first);
+    Ok(Arc::new(Formula { dim, integrals, scale, pieces, expression }))
 }
 
-/// Edges and corners of cells, where poles at 0 and simple fractions lie.
-fn finite_at_corners(dim: usize, cells: usize, value: impl Fn([f64; 3]) -> f64) -> Result<()> {
+/// The largest |f| at edges and corners of cells, where poles at 0 and simple fractions lie.
+fn largest_at_corners(dim: usize, cells: usize, value: impl Fn([f64; 3]) -> f64) -> Result<f64> {
+    let mut largest = 0f64;
     for i in 0..cells.pow(dim as u32) {
         let axis = |k: usize| (i / cells.pow(k as u32) % cells) as f64 / cells as f64;
         let x = std::array::from_fn(|k| if k < dim { axis(k) } else { 0.0 });
@@ -72,8 +75,19 @@ fn finite_at_corners(dim: usize, cells: usize, value: impl Fn([f64; 3]) -> f64) 
         if !v.is_finite() {
             return Err(not_finite(dim, x, v));
         }
+        largest = largest.max(v.abs());
     }
-    Ok(())
+    Ok(largest)
+}
+
+/// A power of 2 about the root of the mean square at some places, poles apart; 1 of what is 0 there.
+fn size(dim: usize, largest: f64, value: impl Fn([f64; 3]) -> f64) -> f64 {
+    let place = |i: u32| std::array::from_fn(|k| if k < dim { wrap(f64::from(i) * SPREAD[k]) } else { 0.0 });
+    let values: Vec<f64> = (1..1024).map(|i| value(place(i))).filter(|v| v.is_finite()).collect();
+    let largest = values.iter().fold(largest, |most, v| most.max(v.abs()));
+    let mean = values.iter().map(|v| (v / largest).powi(2)).sum::<f64>() / values.len() as f64;
+    let size = (largest * mean.sqrt()).log2().floor().exp2();
+    if size > 0.0 && size.is_finite() { size } else { 1.0 }
 }
 
 fn not_finite(dim: usize, x: [f64; 3], value: f64) -> crate::Error {
@@ -88,15 +102,15 @@ impl Shape for Formula {
     }
 
     fn integral(&self) -> f64 {
-        self.integrals.first
+        self.integrals.first * self.scale
     }
 
     fn integral_error(&self) -> f64 {
-        self.integrals.error
+        self.integrals.error * self.scale.max(self.scale * self.scale)
     }
 
     fn square_integral(&self) -> f64 {
-        self.integrals.second
+        self.integrals.second * self.scale * self.scale
     }
 
     fn coefficient(&self, m: [i32; 3]) -> Complex<f64> {
@@ -125,7 +139,7 @@ impl Shape for Formula {
         if self.integrals.error > 1e-12 * (1.0 + self.integrals.second) {
             return 1.0;
         }
-        let scale = self.integrals.second.sqrt();
+        let scale = self.integrals.second.sqrt() * self.scale;
         let mut least = f64::INFINITY;
         let h = 1e-4;
         for i in 0..64u32 {

@@ -133,6 +133,7 @@ impl Integrand {
         let values = spec::Values::parse(entry, dim, rest)?;
         let shape = (entry.make)(&entry::Given { dim, values: &values })?;
         let (integral, square_integral) = (shape.integral(), shape.square_integral());
+        entry::in_range(integral, square_integral)?;
         Ok(Self { spec: values.canonical(entry.name).into(), entry, dim, integral, square_integral, shape })
     }
 

@@ -19,7 +19,7 @@ const LINES: usize = 12;
 const GUTTER: usize = 9;
 
 /// The scalars, then some rows of each table: all from the first to the last where there are few, else evenly among them.
-/// Numbers have four digits, and columns stand below each other, with blanks between them.
+/// Numbers have four digits, whole ones all, and columns stand below each other, with blanks between them.
 pub fn numbers(a: &Analysis) -> String {
     let scalars: Vec<[String; 2]> = glance(a).iter().map(|(name, value)| [untagged(name), untagged(value)]).collect();
     let mut text = String::new();
@@ -77,9 +77,13 @@ fn aligned(text: &mut String, columns: &[(&str, &[String])], taken: &[usize]) {
     }
 }
 
-/// A cell with four significant digits, as any program reads it; a dash where it is empty.
+/// A cell with four significant digits, as any program reads it; a whole number, which counts something, with all of them; a dash
+/// where it is empty.
 fn four_digits(cell: &str) -> String {
     let Ok(x) = cell.parse::<f64>() else { return if cell.is_empty() { "-".into() } else { cell.into() } };
+    if x.fract() == 0.0 && x.abs() < 1e12 {
+        return format!("{x}");
+    }
     let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
     if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
@@ -198,7 +202,9 @@ mod tests {
     fn cells_have_four_digits_that_any_program_reads() {
         for (cell, text) in [
             ("0.123456", "0.1235"),
-            ("512158", "512200"),
+            ("512158", "512158"),
+            ("16384.0", "16384"),
+            ("512158.3", "512200"),
             ("1e-9", "1e-9"),
             ("1.23456e12", "1.235e12"),
             ("0", "0"),

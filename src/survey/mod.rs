@@ -21,7 +21,7 @@ use crate::error::{Error, Result, plural};
 use crate::estimate::{Analysis, Discrepancies};
 use crate::plan::EnsembleShape;
 use crate::report;
-use crate::request::{DEFAULT_STATISTICS, Request, Statistic};
+use crate::request::{DEFAULT_STATISTICS, Request, SETTINGS, Statistic};
 use crate::setting::Setting;
 use crate::source::AllAxes;
 use crate::statistics::Table;
@@ -119,6 +119,28 @@ impl FromStr for Prefixes {
 /// The statistics that a survey has tables for.
 const STATISTICS: [Statistic; 4] = [Statistic::Pcf, Statistic::Spectrum, Statistic::Radial, Statistic::Discrepancy];
 
+/// Settings of what there are no tables for.
+const MISSING: [Setting; 7] = [
+    Setting::Integrand,
+    Setting::Envelope,
+    Setting::EnvelopeFrom,
+    Setting::Convention,
+    Setting::Kernel,
+    Setting::Frequencies,
+    Setting::Sectors,
+];
+
+/// What would be ignored.
+fn refuse_missing(request: &Request) -> Result<()> {
+    match SETTINGS.iter().find(|row| MISSING.contains(&row.setting) && row.is_given(request)) {
+        Some(row) => {
+            let reason = "is not there where pairs of axes or prefixes are measured (`projections`, `prefixes`)";
+            Err(Error::setting(row.setting, request.value(row.setting), reason))
+        }
+        None => Ok(()),
+    }
+}
+
 /// What is measured of a view.
 fn statistics(request: &Request) -> Result<Vec<Statistic>> {
     if request.stats == DEFAULT_STATISTICS {
@@ -136,7 +158,7 @@ fn statistics(request: &Request) -> Result<Vec<Statistic>> {
 /// Looks at points from all sides.
 ///
 /// # Errors
-/// What the plans, the points or the device say; too few points for a prefix; `Error::Cancelled`.
+/// Settings of what is not measured so; what the plans, the points or the device say; too few points for a prefix; `Error::Cancelled`.
 pub fn run(
     views: Views,
     request: &Request,
@@ -145,6 +167,7 @@ pub fn run(
     control: &Control,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Survey> {
+    refuse_missing(request)?;
     let dim = points.dim();
     let axes: Vec<usize> = (0..dim).collect();
     let asked: Vec<(Vec<usize>, Option<u64>)> = match &views {

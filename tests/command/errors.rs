@@ -568,6 +568,21 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
             "--inhomogeneous estimate: is not there where pairs of axes or prefixes are measured (--projections, --prefixes)",
         ),
         (
+            "integrate ok.csv --prefixes 2,3 --integrand disk --device cpu",
+            2,
+            "--integrand disk: is not there where pairs of axes or prefixes are measured (--projections, --prefixes)",
+        ),
+        (
+            "analyze ok.csv --projections --envelope 9 --device cpu",
+            2,
+            "--envelope 9: is not there where pairs of axes or prefixes are measured (--projections, --prefixes)",
+        ),
+        (
+            "analyze ok.csv --projections --sectors 8 --device cpu",
+            2,
+            "--sectors 8: is not there where pairs of axes or prefixes are measured (--projections, --prefixes)",
+        ),
+        (
             "analyze heavy.csv --intensity-column v",
             1,
             "heavy.csv:1: --intensity-column v: no column of that name; there are x, y, w",

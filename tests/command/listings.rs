@@ -59,6 +59,7 @@ fn integrands_are_listed_explained_and_drawn() {
     for (arguments, message) in [
         ("dsik", "error: --integrand dsik: no such integrand (did you mean disk?)"),
         ("disk:r=2", "error: --integrand disk:r=2: r=2: r of disk is a number above 0"),
+        ("image --draw nothing", "error: --integrand image: has nothing to draw; expected image:file=PATH"),
         ("interval --dim 2", "error: --integrand interval: interval is there in 1D, this is 2D"),
     ] {
         let run = scratch.run(&format!("integrands {arguments}"));

@@ -93,3 +93,27 @@ fn no_memory_is_an_error() {
     assert!(said.contains("error: memory: ") && said.contains(" bytes more were wanted"), "{said}");
     assert!(names(scratch.0.path()).is_empty());
 }
+
+/// An integral that is looked for in vain, for many times the time that is waited.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_what_does_not_look_for_it() {
+    use std::io::{BufRead, BufReader};
+
+    let scratch = Scratch::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+    command.current_dir(scratch.0.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.args("integrate --sampler jittered -n 64 --integrand formula:1+x --device cpu".split(' '));
+    command.args("--intensity formula:x^3 --by removal --out out".split(' '));
+    let mut run = command.spawn().unwrap();
+    // By its first line it listens.
+    let mut first = String::new();
+    BufReader::new(run.stdout.take().unwrap()).read_line(&mut first).unwrap();
+    assert!(first.starts_with("n = 64"), "{first}");
+    assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+    let found = run.wait_with_output().unwrap();
+    let said = String::from_utf8(found.stderr).unwrap();
+    assert_eq!(found.status.code(), Some(130), "{said}");
+    assert!(said.contains("error: cancelled"), "{said}");
+    assert_eq!(std::fs::read_dir(scratch.0.path()).unwrap().count(), 0);
+}

@@ -17,6 +17,12 @@ use crate::statistics::waves::Waves;
 /// Standard errors beyond which a difference is said to be one.
 const SURE: f64 = 5.0;
 
+/// The variance of f over its mean square below which what is left of it may be rounding.
+const NEARLY_CONSTANT: f64 = 1e-10;
+
+/// Errors of integrals over the root of the mean square below which they are no news.
+const CLOSED: f64 = 1e-12;
+
 /// Shifts of each realization where nothing is said.
 const SHIFTS: u32 = 16;
 
@@ -204,8 +210,16 @@ impl Group for Integration {
                     "{spec}: shifted and predicted variance are {z:.1} standard errors apart; with right formulas and many realizations they are not"
                 ));
             }
+            let square = one.integrand.square_integral();
+            let share = one.integrand.variance() / square;
+            if share != 0.0 && share.abs() < NEARLY_CONSTANT {
+                warnings.push(format!(
+                    "{spec}: is constant but for {:.0e} of it: its variance is the difference of integrals that are nearly the same, and is rounded; expected it less its constant part",
+                    share.abs().sqrt()
+                ));
+            }
             let unclosed = one.integrand.coefficient_error().max(one.integrand.integral_error());
-            if unclosed > 0.0 {
+            if unclosed > CLOSED * square.sqrt() {
                 warnings.push(format!("{spec}: its integral and Fourier coefficients are known to {unclosed:.1e}"));
             }
         }

@@ -150,6 +150,17 @@ fn what_cannot_be_says_what_can() {
             2,
             "integrand formula:1/x: it is infinite at x = 0, y = 0; expected an expression that is finite on [0, 1)^2",
         ),
+        (
+            "formula:1e155*x",
+            2,
+            "integrand formula:1e155*x: the integral of its square is inf: the squares of variances of it are no numbers",
+        ),
+        (
+            "formula:1e-200*x",
+            1,
+            "integrand formula:1e-200*x: the integral of its square is 0e0: the squares of variances of it are no numbers",
+        ),
+        ("steps:values=1;1e200", 1, "integrand steps:values=1;1e200: the integral of its square is inf:"),
         ("formula:1/(x-0.5)", 1, "integrand formula:1/(x-0.5): it is infinite at x = 0.5;"),
         ("formula:ln(x-0.5)", 1, "integrand formula:ln(x-0.5): it is no number at x = 0;"),
         ("formula:sqrt(x-2*y)", 2, "integrand formula:sqrt(x-2*y): it is no number at x = 0, y = "),
@@ -166,6 +177,23 @@ fn what_cannot_be_says_what_can() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Whatever the size of a function its integrals are as good.
+#[test]
+fn integrals_of_a_formula_do_not_know_its_size() {
+    let of = |text: &str| {
+        let f = Integrand::new(text, 1).unwrap();
+        (f.integral(), f.square_integral(), f.integral_error())
+    };
+    let (one, small, large) = (of("formula:sin(300*x)"), of("formula:1e-9*sin(300*x)"), of("formula:1e9*sin(300*x)"));
+    let exact = 0.5 - (600f64).sin() / 1200.0;
+    assert!((one.1 - exact).abs() < 1e-12, "{}", one.1);
+    for (found, scale) in [(small, 1e-9), (large, 1e9)] {
+        assert!((found.0 / scale - one.0).abs() < 1e-12, "{scale}: {}", found.0);
+        assert!((found.1 / (scale * scale) - exact).abs() < 1e-12, "{scale}: {}", found.1);
+        assert!(found.2 < 1e-10 * scale.max(scale * scale), "{scale}: {}", found.2);
+    }
 }
 
 #[test]
