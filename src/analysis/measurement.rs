@@ -285,7 +285,13 @@ impl Measurement {
         }
         let at = self.furthest_behind()?;
         let (live, most) = (self.live, self.chunk());
-        let range = self.tracks[at].next(&self.span, live, most)?;
+        let mut range = self.tracks[at].next(&self.span, live, most)?;
+        if !live {
+            // One that is behind comes up to the others.
+            let others = self.tracks.iter().filter(|track| track.wanted && track.part.waits_for().is_none());
+            let fronts = others.filter_map(|track| track.done.gap(&self.span)).map(|gap| gap.start);
+            range.end = fronts.filter(|&front| front > range.start).fold(range.end, u64::min);
+        }
         Some((at, range))
     }
 
@@ -293,7 +299,8 @@ impl Measurement {
     fn partner(&self, range: &Range<u64>) -> Option<usize> {
         let lacks = |track: &Track| {
             let gap = track.done.gap(&self.span).filter(|gap| gap.start == range.start && gap.end >= range.end);
-            track.wanted && track.part.waits_for().is_none() && gap.is_some()
+            let cuts = track.part.whole_leaves() && !range.start.is_multiple_of(LEAF);
+            track.wanted && track.part.waits_for().is_none() && gap.is_some() && !cuts
         };
         let held = |at: usize| self.round.iter().any(|(of, ..)| *of == at);
         (0..self.tracks.len()).find(|&at| !held(at) && lacks(&self.tracks[at]))
@@ -324,8 +331,10 @@ impl Measurement {
     }
 
     /// Whether every group holds the same realizations: not within a round.
-    pub(super) fn is_even(&self) -> bool {
-        self.round.is_empty()
+    pub fn is_even(&self) -> bool {
+        let mut all = self.tracks.iter().filter(|t| t.wanted && t.part.waits_for().is_none()).map(|t| &t.done);
+        let first = all.next();
+        self.round.is_empty() && all.all(|done| Some(done) == first)
     }
 
     /// Whether all that it is to hold is there.

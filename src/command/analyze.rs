@@ -14,7 +14,7 @@ use pairwave::survey::{self, Prefixes, Views};
 use pairwave::{Error, Result, Setting, check_threads, report};
 
 use super::batch::Batch;
-use super::progress::{Bar, stop_on_interrupt, uninterrupted};
+use super::progress::{Bar, Tell, stop_on_interrupt, uninterrupted};
 use super::{print, tell};
 
 #[derive(clap::Args)]
@@ -104,7 +104,7 @@ impl Analyze {
         if measurement.realizations() > 0 && !self.quiet {
             tell(&format!("note: {} are there already", measurement.held()));
         }
-        let bar = Bar::new(self.quiet, &control);
+        let bar = Bar::told(if self.quiet { Tell::None } else { self.batch.progress }, &control);
         let ended = self.batch.job(out).measure(&mut measurement, &device, &control, &mut |p| bar.show(p));
         let ended = match ended {
             Ended::Whole if self.batch.shard.is_none() => {
@@ -151,7 +151,7 @@ impl Analyze {
                 (_, None) => Ok(()),
             };
         };
-        let written = match found(measurement).filter(|_| self.batch.shard.is_none()) {
+        let written = match found(measurement).filter(|_| self.batch.shard.is_none() && measurement.is_even()) {
             Some(mut found) => {
                 found.parameters.push(("command".into(), command_line().into()));
                 let (sums, force) = (measurement.write(), self.force || self.batch.owns());

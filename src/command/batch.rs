@@ -8,6 +8,8 @@ use pairwave::analysis::{Job, Measurement};
 use pairwave::compute::Device;
 use pairwave::{Error, Result, Setting, report};
 
+use super::progress::Tell;
+
 #[derive(clap::Args)]
 pub(crate) struct Batch {
     /// Measure part I of N of the realizations, for `pairwave merge`
@@ -39,6 +41,18 @@ pub(crate) struct Batch {
     /// End after so many seconds with what is measured then
     #[arg(long, help_heading = "Batches", value_name = "SECONDS", value_parser = seconds, hide_short_help = true)]
     time_limit: Option<Duration>,
+
+    /// auto, json (a line a second on standard error) or none
+    #[arg(
+        long,
+        help_heading = "Output",
+        value_enum,
+        default_value = "auto",
+        hide_short_help = true,
+        value_name = "auto|json|none",
+        hide_possible_values = true
+    )]
+    pub(crate) progress: Tell,
 
     /// Keep the raw sums beside the result, for --extend and `pairwave merge`
     #[arg(long, help_heading = "Batches", hide_short_help = true, requires = "out")]

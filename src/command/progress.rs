@@ -47,6 +47,18 @@ pub(crate) fn stop_on_interrupt() -> Result<Arc<Control>> {
     Ok(control)
 }
 
+/// How progress is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub(crate) enum Tell {
+    /// A bar on a terminal, else a line each half minute.
+    #[default]
+    Auto,
+    /// A line of JSON each second: stage, done, total, fraction, elapsed_s, left_s, realizations_per_s.
+    Json,
+    /// Nothing.
+    None,
+}
+
 /// A progress bar over all of the work that says what is being done, and how long the rest will take; where standard error is
 /// no terminal, a line each half minute.
 pub(crate) struct Bar {
@@ -61,9 +73,16 @@ const STEPS: u64 = 1000;
 /// How often a line is printed where there is no terminal.
 const LINE: Duration = Duration::from_secs(30);
 
+/// How often a line of JSON is.
+const JSON_LINE: Duration = Duration::from_secs(1);
+
 impl Bar {
     pub(crate) fn new(quiet: bool, control: &Arc<Control>) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        Self::told(if quiet { Tell::None } else { Tell::Auto }, control)
+    }
+
+    pub(crate) fn told(how: Tell, control: &Arc<Control>) -> Self {
+        let target = if how == Tell::Auto { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(STEPS), target);
         if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_bar} {percent} %, {msg}") {
             bar.set_style(style);
@@ -71,6 +90,7 @@ impl Bar {
         let now = Arc::new(Mutex::new(None));
         let watched = (bar.downgrade(), Arc::clone(control), Arc::downgrade(&now));
         let hidden = bar.is_hidden();
+        let every = if how == Tell::Json { JSON_LINE } else { LINE };
         // A run without these lines is a run all the same.
         let _ = std::thread::Builder::new().name("progress".into()).spawn(move || {
             let (bar, control, now) = watched;
@@ -81,14 +101,16 @@ impl Bar {
                 let (Some(bar), Some(now)) = (bar.upgrade(), now.upgrade()) else { return };
                 let now = *now.lock().unwrap_or_else(PoisonError::into_inner);
                 let Some(now) = now else { continue };
-                let text = words(now, &control, start.elapsed().as_secs_f64());
-                let fraction = now.fraction(&control);
+                let told = Told::new(now, &control, start.elapsed().as_secs_f64());
                 if !hidden {
-                    bar.set_position((fraction * STEPS as f64) as u64);
-                    bar.set_message(text);
-                } else if !quiet && said.elapsed() >= LINE {
+                    bar.set_position((told.fraction * STEPS as f64) as u64);
+                    bar.set_message(told.words());
+                } else if how != Tell::None && said.elapsed() >= every {
                     said = Instant::now();
-                    super::tell(&format!("{:.0} %, {text}", 100.0 * fraction));
+                    super::tell(&match how {
+                        Tell::Json => serde_json::json!(told).to_string(),
+                        _ => format!("{:.0} %, {}", 100.0 * told.fraction, told.words()),
+                    });
                 }
             }
         });
@@ -106,10 +128,37 @@ impl Bar {
     }
 }
 
-/// `wave_power, 3/10, 12 s (about 40 s left)`
-fn words(now: Progress, control: &Control, elapsed: f64) -> String {
-    let Progress { stage, done, total, .. } = now;
-    let time = |seconds: f64| HumanDuration(Duration::from_secs_f64(seconds.min(1e9))).to_string();
-    let (elapsed, left) = (time(elapsed), time(now.left(control, elapsed)));
-    format!("{stage}, {done}/{total}, {elapsed} (about {left} left)")
+/// What is told of a run at one moment.
+#[derive(serde::Serialize)]
+struct Told {
+    stage: &'static str,
+    done: u64,
+    total: u64,
+    fraction: f64,
+    elapsed_s: f64,
+    left_s: f64,
+    realizations_per_s: f64,
+}
+
+impl Told {
+    fn new(now: Progress, control: &Control, elapsed: f64) -> Self {
+        let fraction = now.fraction(control);
+        Self {
+            stage: now.stage,
+            done: now.done,
+            total: now.total,
+            fraction,
+            elapsed_s: elapsed,
+            left_s: now.left(control, elapsed),
+            realizations_per_s: fraction * now.total as f64 / elapsed.max(1e-3),
+        }
+    }
+
+    /// `wave_power, 3/10, 0.25 realizations/s, 12 s (about 40 s left)`
+    fn words(&self) -> String {
+        let time = |seconds: f64| HumanDuration(Duration::from_secs_f64(seconds.min(1e9))).to_string();
+        let (elapsed, left, rate) = (time(self.elapsed_s), time(self.left_s), self.realizations_per_s);
+        let rate = if rate >= 10.0 { format!("{rate:.0}") } else { format!("{rate:.2}") };
+        format!("{}, {}/{}, {rate} realizations/s, {elapsed} (about {left} left)", self.stage, self.done, self.total)
+    }
 }

@@ -194,14 +194,14 @@ mod tests {
         for sigma in [1e-200, 1e-3, 0.05, 0.1, 0.3, 1.0] {
             let images = Images::new(sigma);
             for k in 0..256 {
-                // Multiples of a power of two: no distance is rounded.
+                // Multiples of a power of two: no distance is rounded. Images beyond 9 sigma are left out.
                 let x = f64::from(k) / 128.0 - 1.0;
                 let mut here = [1.0];
                 images.times(&[x], 0.25, 1.0, &mut here);
                 let one = |j: i32| (-0.5 * ((x - 0.25 + f64::from(j)) / sigma).powi(2)).exp();
                 let truth: f64 = (-15..=15).map(one).sum();
                 let bound = 4e-15 - 1e-15 * truth.max(1e-308).ln().min(0.0);
-                assert!((here[0] - truth).abs() <= bound * truth + 1e-300, "{sigma} {x}: {} {truth}", here[0]);
+                assert!((here[0] - truth).abs() <= bound * truth + 1e-17, "{sigma} {x}: {} {truth}", here[0]);
             }
         }
     }

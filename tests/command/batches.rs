@@ -240,10 +240,10 @@ fn interrupted_it_leaves_a_result() {
         );
         let done = summary(&scratch.path("out"))["k"].as_u64().unwrap();
         assert!((16..100_000).contains(&done) && done.is_multiple_of(16), "{done}");
-        // Fewer than were asked for are a result like any other.
+        // Fewer than were asked for are a result like any other, but for what is planned by their number.
         scratch.ok(&format!("analyze {} --out whole", RUN.replace("-k 70", &format!("-k {done}"))));
         let (whole, out) = (bytes(&scratch.path("whole")), bytes(&scratch.path("out")));
-        for name in ["pcf.csv", "spectrum.npy", "variance.csv"] {
+        for name in ["pcf.csv", "spectrum.npy"] {
             assert!(whole[name] == out[name], "{name}");
         }
     }
@@ -267,4 +267,54 @@ fn a_cluster_is_an_array_of_parts() {
     assert_same(&scratch, "whole", "out");
     let second = String::from_utf8(steps().stderr).unwrap();
     assert!(second.contains("--out out: holds a result already"), "{second}");
+}
+
+/// A disk that takes no file beyond 4 KiB: what was kept before stays, and what failed is said.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_takes_nothing_that_was_kept() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze {RUN} --out whole"));
+    scratch.ok(&format!("analyze {RUN} --time-limit 0 --out out"));
+    let before = (bytes(&scratch.path("out")), std::fs::read(scratch.path("out/partial.sums")).unwrap());
+    let full = |arguments: &str| {
+        let line = format!("trap '' XFSZ; ulimit -f 8; exec {} {arguments}", env!("CARGO_BIN_EXE_pairwave"));
+        let output = Command::new("sh").args(["-c", &line]).current_dir(scratch.0.path()).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, told) = full(&format!("analyze {RUN} --resume --out out"));
+    assert!(
+        code == Some(1) && told.contains("File too large") && told.contains("70 of 70 realizations could not be kept"),
+        "{code:?} {told}"
+    );
+    let after = (bytes(&scratch.path("out")), std::fs::read(scratch.path("out/partial.sums")).unwrap());
+    assert!(before == after, "what was there is there");
+    let names = |path: &Path| {
+        std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect::<Vec<_>>()
+    };
+    assert!(!names(&scratch.path("out")).iter().any(|name| name.contains("new")), "{:?}", names(&scratch.path("out")));
+    assert_eq!(names(scratch.0.path()).len(), 2, "{:?}", names(scratch.0.path()));
+    // A checkpoint that fails ends nothing, and is said with the result.
+    let (code, told) = full(&format!("analyze {RUN} --checkpoint 0 --out other"));
+    assert!(code == Some(1) && told.contains("File too large"), "{code:?} {told}");
+    scratch.ok(&format!("analyze {RUN} --resume --out out"));
+    assert_same(&scratch, "whole", "out");
+}
+
+#[test]
+fn progress_is_told_as_json() {
+    let scratch = Scratch::new();
+    let run = RUN.replace("--quiet", "--progress json").replace("-k 70", "-k 30000");
+    let output = scratch.run(&format!("analyze {run} --time-limit 2.5"));
+    let told = String::from_utf8(output.stderr).unwrap();
+    let lines: Vec<serde_json::Value> = told.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    assert!(!lines.is_empty(), "{told}");
+    for line in &lines {
+        let number = |key: &str| line[key].as_f64().unwrap_or_else(|| panic!("{key} in {line}"));
+        assert!(
+            line["stage"].is_string() && number("total") == 30_000.0 && (0.0..=1.0).contains(&number("fraction")),
+            "{line}"
+        );
+        assert!(number("elapsed_s") > 0.0 && number("left_s") >= 0.0 && number("realizations_per_s") >= 0.0, "{line}");
+    }
 }
