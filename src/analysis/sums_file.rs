@@ -41,7 +41,7 @@ impl Measurement {
         }
         for (a, b) in self.wanted().filter_map(|a| Some((a, other.track(a.part.name())?))) {
             if let Some(twice) = a.done.common(&b.done) {
-                let (first, last) = (twice.start, twice.end - 1);
+                let (first, last) = (twice.start + 1, twice.end);
                 return refuse(format!("both parts hold realizations {first} to {last} of {}", a.part.name()));
             }
             if a.leaf.is_some() && b.leaf.is_some() {

@@ -65,9 +65,9 @@ fn shards_in_any_order_are_the_whole() {
     scratch.fails(
         "merge parts/1 parts/3 --out x",
         1,
-        "merge: no part has the realizations 17-32; --partial does without them",
+        "merge: no part has the realizations 17-48; --partial does without them",
     );
-    scratch.fails("merge parts/1 parts/2 parts/1 --out x", 1, "parts/1: merge: both parts hold realizations 0 to 15");
+    scratch.fails("merge parts/1 parts/2 parts/1 --out x", 1, "parts/1: merge: both parts hold realizations 1 to 16");
     scratch.ok(&format!("analyze {} --shard 2/3 --out other", RUN.replace("-n 64", "-n 81")));
     scratch.fails(
         "merge parts/1 other --out x",
