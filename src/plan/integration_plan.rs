@@ -87,8 +87,8 @@ pub enum Spatial {
 
 named!(Spatial: Pairs = "pairs", Deposit = "deposit", Radial = "radial", None = "none");
 
-/// Values of a that are computed one by one, at most: some seconds.
-const EXACT_BUDGET: f64 = 5e8;
+/// Values of a that are computed one by one, at most: a few seconds.
+const EXACT_BUDGET: f64 = 1e8;
 
 /// Pairs that are deposited, at most: minutes.
 const DEPOSIT_BUDGET: f64 = 1e12;
