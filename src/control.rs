@@ -80,6 +80,18 @@ pub struct Progress {
 }
 
 impl Progress {
+    /// Of a run that is this `part` of several one after the other, with `before` behind it, where `[done, total]` of them are done.
+    pub(crate) fn as_part(self, part: f64, before: f64, [done, total]: [u64; 2]) -> Self {
+        Self {
+            done,
+            total,
+            before: before + part * self.before,
+            piece: part * self.piece,
+            planned: self.planned / part,
+            ..self
+        }
+    }
+
     /// The part of the whole run that is done.
     pub fn fraction(&self, control: &Control) -> f64 {
         (self.before + self.piece * control.share()).clamp(0.0, 1.0)

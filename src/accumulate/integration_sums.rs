@@ -99,7 +99,7 @@ impl Sums for IntegrationSums {
             return Err(Error::input("integration", "sums of other integrands"));
         }
         self.same_unit(&other)?;
-        self.add_lags(&other.lags);
+        add_lags(&mut self.lags, other.lags)?;
         self.grid.merge(other.grid)?;
         self.axes.iter_mut().zip(other.axes).try_for_each(|(a, b)| a.merge(b))?;
         self.realizations.extend(other.realizations);
@@ -109,7 +109,7 @@ impl Sums for IntegrationSums {
 
     fn append(&mut self, next: Self) -> Result<()> {
         self.same_unit(&next)?;
-        self.add_lags(&next.lags);
+        add_lags(&mut self.lags, next.lags)?;
         self.grid.append(next.grid)?;
         self.axes.iter_mut().zip(next.axes).try_for_each(|(a, b)| a.append(b))?;
         self.realizations.extend(next.realizations);
@@ -154,7 +154,8 @@ impl Sums for IntegrationSums {
         let axes =
             (0..axes).map(|a| from.within(&format!("axis {a}"), WavePower::decode)).collect::<Result<Vec<_>>>()?;
         let sizes = from.u64s("sizes")?;
-        let (sizes, _) = sizes.as_chunks::<2>();
+        let (sizes, rest) = sizes.as_chunks::<2>();
+        from.check_len("sizes", 2 * sizes.len() + rest.len(), 2 * sizes.len())?;
         let per_realization = |many: usize| sizes.len().saturating_mul(many);
         let weights = from.f64s_of("weights", per_realization(2))?;
         let numbers = from.f64s_of("numbers", per_realization(integrands).saturating_mul(8))?;
@@ -162,6 +163,7 @@ impl Sums for IntegrationSums {
         let mut removals = vec![None; sizes.len()];
         if removed != 0 {
             let kept = from.u64s("kept")?;
+            from.check_len("kept", kept.len(), per_realization(2))?;
             let numbers = from.f64s_of("kept numbers", per_realization(integrands).saturating_mul(4))?;
             let of = |&[error, given, s, squares]: &[f64; 4]| KeptSums { error, given, shifted: [s, squares] };
             let each: Vec<KeptSums> = numbers.as_chunks::<4>().0.iter().map(of).collect();
@@ -186,15 +188,18 @@ impl Sums for IntegrationSums {
     }
 }
 
-impl IntegrationSums {
-    /// Adds other pairs.
-    pub(crate) fn add_lags(&mut self, lags: &[i64]) {
-        match self.lags.as_mut_slice() {
-            [] => self.lags = lags.to_vec(),
-            own => own.iter_mut().zip(lags).for_each(|(a, b)| *a = a.saturating_add(*b)),
-        }
+/// Adds pairs on the same lags, or none.
+pub(crate) fn add_lags(to: &mut Vec<i64>, more: Vec<i64>) -> Result<()> {
+    match (to.len(), more.len()) {
+        (_, 0) => {}
+        (0, _) => *to = more,
+        (a, b) if a != b => return Err(Error::input("integration", format!("pairs on {a} lags and on {b}"))),
+        _ => to.iter_mut().zip(more).for_each(|(sum, more)| *sum = sum.saturating_add(more)),
     }
+    Ok(())
+}
 
+impl IntegrationSums {
     /// Sums in one unit of weights: that of whatever has been summed.
     fn same_unit(&mut self, other: &Self) -> Result<()> {
         match (self.realizations.is_empty(), other.realizations.is_empty()) {

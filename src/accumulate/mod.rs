@@ -21,6 +21,7 @@ pub use computed_by::{Backend, ComputedBy};
 pub use count_sums::{CountSums, Places, RealizationCounts};
 pub use discrepancy_sums::{DISCREPANCIES, DiscrepancySums, LevelCounts, RealizationDiscrepancy};
 pub use encode::{Decoder, Encoder};
+pub(crate) use integration_sums::add_lags;
 pub use integration_sums::{IntegrandSums, IntegrationSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
 pub(crate) use intensity_scores::scores as intensity_scores;
 pub use intensity_sums::{IntensityScores, IntensitySums, RealizationScores};

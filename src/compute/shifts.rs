@@ -38,13 +38,28 @@ pub(super) fn wrapped(x: f64) -> f64 {
 
 /// The random shift of a realization: SplitMix64 of its index in the batch, so that it depends on nothing else.
 pub(super) fn random_shift(index: u64) -> [f64; 3] {
-    let mut state = index.wrapping_mul(3).wrapping_add(0x5851_f42d_4c95_7f2d);
+    let mut state = index.wrapping_mul(3).wrapping_add(SEED);
     std::array::from_fn(|_| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
+        state = state.wrapping_add(STEP);
+        unit(mix(state))
     })
+}
+
+const SEED: u64 = 0x5851_f42d_4c95_7f2d;
+
+/// Of SplitMix64: what its state grows by.
+const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// Of SplitMix64: bits of a state, mixed.
+fn mix(state: u64) -> u64 {
+    let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// 53 bits as a number in [0, 1).
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 * 2f64.powi(-53)
 }
 
 /// What the points of the first realization weigh that are kept by a density of this largest value, over what the parents weigh; 0 of
@@ -68,16 +83,10 @@ pub(crate) fn over_density(ensemble: &Ensemble, density: &Integrand) -> Vec<f64>
 /// Number in [0, 1) by which a point is kept or removed: SplitMix64 of the realization, the shift, the point and where it lies, so that
 /// points of another seed are not kept by the same numbers.
 pub(super) fn lot(index: u64, shift: u64, point: usize, x: &[f64; 3]) -> f64 {
-    let mix = |state: u64| {
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
     let words = [index, shift, point as u64, x[0].to_bits(), x[1].to_bits(), x[2].to_bits()];
-    let mixed = words.iter().fold(0x5851_f42d_4c95_7f2d_u64, |state, word| {
-        mix(state.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ word.wrapping_mul(0xd129_0b5a_3c95_1e3d))
-    });
-    (mixed >> 11) as f64 * 2f64.powi(-53)
+    let mixed =
+        words.iter().fold(SEED, |state, word| mix(state.wrapping_add(STEP) ^ word.wrapping_mul(0xd129_0b5a_3c95_1e3d)));
+    unit(mixed)
 }
 
 /// What every point weighs, as it was given; `None` where that is 1.

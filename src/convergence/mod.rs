@@ -22,7 +22,7 @@ use crate::integrand::Integrand;
 use crate::plan::Estimator;
 use crate::report;
 use crate::request::{Request, Statistic};
-use crate::samplers::{Entry, ParameterValues, Process, find};
+use crate::samplers::{Entry, ParameterValues, Process, find_with_parameters};
 use crate::setting::Setting;
 use crate::source::{AllAxes, Points};
 use crate::survey::Prefixes;
@@ -225,14 +225,7 @@ impl Climb {
         let plan = Plan::of(&asked, &points)?.for_device(device.compute());
         let done = self.done as u64;
         let mut told = |p: Progress| {
-            progress(Progress {
-                done,
-                total,
-                before: before + part * p.before,
-                piece: part * p.piece,
-                planned: p.planned / part,
-                ..p
-            });
+            progress(p.as_part(part, before, [done, total]));
         };
         let analysis = analysis::run(&asked, points, plan, device, control, &mut told)?;
         let found = &mut self.found;
@@ -320,38 +313,29 @@ fn or_nothing(measured: Measured, random: f64) -> Measured {
 type Tasks = (Vec<Subject>, Vec<Task>);
 
 /// Numbers of points are too few for a slope.
-fn too_few(what: &str) -> Error {
-    let reason = "a slope needs two numbers of points; expected more, as in 2^4..2^12";
-    Error::setting(Setting::Points, what, reason)
+fn too_few(setting: Setting, what: &str) -> Error {
+    Error::setting(setting, what, "a slope needs two numbers of points; expected more, as in 2^4..2^12")
 }
 
 fn samplers(specs: &[String], numbers: &Prefixes, request: &Request, warnings: &mut Vec<String>) -> Result<Tasks> {
     let (k, dim) = (request.input.realizations.unwrap_or(1), request.input.dim.unwrap_or(2));
     let seed = request.input.seed.unwrap_or(1);
-    let parsed: Vec<(&str, &Entry, &str)> = specs
-        .iter()
-        .map(|spec| {
-            let (name, own) = spec.split_once(':').unwrap_or((spec, ""));
-            Ok((spec.as_str(), find(name.trim())?, own))
-        })
-        .collect::<Result<_>>()?;
+    let parsed = specs.iter().map(|spec| find_with_parameters(spec)).collect::<Result<Vec<_>>>()?;
     if let Some(twice) = (1..specs.len()).find(|&k| specs[..k].contains(&specs[k])) {
         return Err(Error::setting(Setting::Sampler, &specs[twice], "is given twice"));
     }
     let has = |entry: &Entry, param: &str| {
         entry.all_parameters().any(|p| Some(p.name) == param.split_once('=').map(|(key, _)| key.trim()))
     };
-    if let Some(param) = request.input.params.iter().find(|param| !parsed.iter().any(|(_, entry, _)| has(entry, param)))
-    {
-        let names: Vec<&str> = parsed.iter().map(|(_, entry, _)| entry.name).collect();
+    if let Some(param) = request.input.params.iter().find(|param| !parsed.iter().any(|(entry, _)| has(entry, param))) {
+        let names: Vec<&str> = parsed.iter().map(|(entry, _)| entry.name).collect();
         let reason = format!("none of {} has this parameter; expected key=value of one of them", names.join(", "));
         return Err(Error::setting(Setting::Params, param, reason));
     }
     let (mut subjects, mut tasks) = (Vec::new(), Vec::new());
-    for (subject, (spec, entry, own)) in parsed.into_iter().enumerate() {
-        let own = own.split(',').filter(|own| !own.is_empty());
+    for (subject, ((entry, own), spec)) in parsed.into_iter().zip(specs).enumerate() {
         let shared = request.input.params.iter().map(String::as_str).filter(|param| has(entry, param));
-        let params: Vec<String> = own.chain(shared).map(String::from).collect();
+        let params: Vec<String> = own.into_iter().chain(shared).map(String::from).collect();
         let values = ParameterValues::parse(entry, &params)?;
         let mut sizes: Vec<u64> = Vec::new();
         let mut others = Vec::new();
@@ -370,7 +354,7 @@ fn samplers(specs: &[String], numbers: &Prefixes, request: &Request, warnings: &
         // One number of points is no slope, but samplers can be ranked at it.
         if sizes.len() < 2 && numbers.numbers().len() > 1 {
             let words: Vec<String> = sizes.iter().map(u64::to_string).collect();
-            return Err(too_few(&words.join(",")));
+            return Err(too_few(Setting::Points, &words.join(",")));
         }
         let mut exponent = None;
         let mut closed = true;
@@ -439,8 +423,7 @@ fn prefixes(numbers: &Prefixes, request: &Request, control: &Control, warnings: 
         return Err(Error::setting(Setting::Prefixes, n, format!("a realization has only {fewest} points")));
     }
     if numbers.numbers().len() < 2 {
-        let reason = "a slope needs two numbers of points; expected more, as in 2^4..2^12";
-        return Err(Error::setting(Setting::Prefixes, n, reason));
+        return Err(too_few(Setting::Prefixes, &n.to_string()));
     }
     if points.dim() > 3 {
         let reason = format!("expected points of 1 to 3 coordinates, these have {}; `columns` chooses", points.dim());

@@ -215,13 +215,19 @@ impl ModeMap {
 const TOP: usize = 100;
 
 /// A tail that is no more than rounding.
-pub(super) const COMPLETE: f64 = 1e-12;
+const COMPLETE: f64 = 1e-12;
+
+/// What of `v0` is not `inside`, the sum of `|f_m|^2` over frequencies that are known.
+pub(super) fn beyond(v0: f64, inside: f64) -> f64 {
+    let rest = v0 - inside;
+    if rest.abs() <= COMPLETE * v0 { 0.0 } else { rest.max(0.0) }
+}
 
 impl IntegrationErrors {
     /// Of the sums.
     pub fn new(plan: &IntegrationPlan, sums: &IntegrationSums) -> Option<Self> {
         let needs_points = plan.estimator != Estimator::Lambda;
-        let is_ratio = matches!(plan.estimator, Estimator::Ratio | Estimator::CountRatio);
+        let is_ratio = plan.estimator.is_ratio();
         let counts_in = |r: &&RealizationSums| {
             let left = r.removal.as_ref().is_none_or(|removal| removal.kept > 0 && removal.shifts > 0);
             !needs_points || r.n > 0 && !(is_ratio && (r.weight == 0.0 || !left))
@@ -335,8 +341,7 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
     let measured = |values: &[f64]| Some(Measured { value: mean(values)?, se: standard_error(values) });
     let table = &plan.tables[i];
     let inside: f64 = table.grid.iter().sum::<f64>() + table.axes.iter().flatten().sum::<f64>();
-    let rest = v0 - inside;
-    let rest = if rest.abs() <= COMPLETE * v0 { 0.0 } else { rest.max(0.0) };
+    let rest = beyond(v0, inside);
     let count = of(&|_, _, f| (level * f.off).powi(2));
     let spectral = of(&|s, _, f| f.c * f.c * s.grid);
     let axes = of(&|s, _, f| f.c * f.c * s.axes);
@@ -350,16 +355,16 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
     let in_space = add(&add(&spatial, &count), &removal);
     let stationarised = if plan.pairs == PairSum::Exact { in_space.clone() } else { closed.clone() };
     // c S - I = c (S - I sum w) + I off.
-    let parents = of(&|s, r, f| f.c * (s.values - level * r.weight) + level * f.off);
-    let is_ratio = matches!(plan.estimator, Estimator::Ratio | Estimator::CountRatio);
+    let of_parent =
+        |s: &IntegrandSums, r: &RealizationSums, f: Factor| f.c * (s.values - level * r.weight) + level * f.off;
+    let parents = of(&of_parent);
+    let is_ratio = plan.estimator.is_ratio();
     let kept = |value: &dyn Fn(&KeptSums, Factor) -> f64,
                 otherwise: &dyn Fn(&IntegrandSums, &RealizationSums, Factor) -> f64| {
         of(&|s, r, f| r.removal.as_ref().map_or_else(|| otherwise(s, r, f), |removal| value(&removal.each[i], f)))
     };
     // The error of a ratio is what was summed.
-    let errors = kept(&|s, f| if is_ratio { s.error } else { f.c * s.error + exact * f.off }, &|s, r, f| {
-        f.c * (s.values - level * r.weight) + level * f.off
-    });
+    let errors = kept(&|s, f| if is_ratio { s.error } else { f.c * s.error + exact * f.off }, &of_parent);
     let estimates: Vec<f64> = errors.iter().map(|e| exact + e).collect();
     let squared: Vec<f64> = errors.iter().map(|e| e * e).collect();
     let squared_error = |[first, second]: [f64; 2], f: Factor| {
@@ -425,7 +430,7 @@ fn one(totals: &Totals<'_>, i: usize) -> Option<IntegrationError> {
         modes,
         map,
         lags,
-        alone: v0 * mean(&of(&|_, r, f| f.c * f.c * r.square))?,
+        alone: unit,
     })
 }
 

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::Measured;
-use super::integration::{COMPLETE, highest_excess};
+use super::integration::{beyond, highest_excess};
 use crate::integrand::Integrand;
 use crate::plan::IntegrationPlan;
 
@@ -77,8 +77,7 @@ impl Prediction {
                 of_axis.iter().zip(p).for_each(|(f, p)| add(1, *f, *p, 2.0));
             }
             let [sum, axes] = sums;
-            let rest = v0 - inside;
-            let rest = if rest.abs() <= COMPLETE * v0 { 0.0 } else { rest.max(0.0) };
+            let rest = beyond(v0, inside);
             // A single measured power is twice as large in the square as its expectation.
             let se = realizations.map(|k| (if k == 1 { 1.0 } else { 2.0 / k as f64 } * squares).sqrt() / n);
             Self {

@@ -53,9 +53,10 @@ pub use density::Density;
 pub(crate) use density::nonnegative;
 pub use entry::Entry;
 pub use factors::{Factor, Steps};
-pub(crate) use quadrature::{Integral, nested, over_cells};
+pub(crate) use quadrature::{Integral, gauss, nested, over_cells};
 pub use separable::Separable;
 pub use spec::{Parameter, Takes};
+pub(crate) use warped::{DIVERGES, FLOORS};
 
 /// Every integrand, in the order of `pairwave integrands`.
 static REGISTRY: &[&Entry] = &[

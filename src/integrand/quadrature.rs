@@ -9,7 +9,7 @@ use super::pieces::SPREAD;
 
 /// Places and weights of Gauss's rule on [-1, 1], exact for polynomials up to degree 2 n - 1: Newton's method on Legendre's P_n
 /// (Press et al., Numerical Recipes, 4.6).
-pub(super) fn gauss(n: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss(n: usize) -> Vec<(f64, f64)> {
     let nf = n as f64;
     let rule = (0..n).map(|i| {
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (nf + 0.5)).cos();

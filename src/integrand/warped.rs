@@ -15,11 +15,11 @@ use crate::setting::Setting;
 /// What deviates no more from its mean is constant but for rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A density that falls to 0 is looked at down to these parts of its mean, and the variance must not depend on which.
-const FLOORS: [f64; 2] = [1e-9, 1e-14];
+/// A density that falls to 0 is looked at down to these parts of its mean, or of its largest value, and the variance must not depend on which.
+pub(crate) const FLOORS: [f64; 2] = [1e-9, 1e-14];
 
-/// What of an integral that is the better known the more work is done is taken for one that does not converge.
-const DIVERGES: f64 = 0.02;
+/// An integral that changes by more than this part from one to the other is taken not to converge.
+pub(crate) const DIVERGES: f64 = 0.02;
 
 /// The same of its stated error.
 const UNKNOWN: f64 = 0.5;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Estimator;
 use crate::error::{Error, Result};
-use crate::integrand::{Integral, Integrand, nested, nonnegative, over_cells};
+use crate::integrand::{DIVERGES, FLOORS, Integral, Integrand, nested, nonnegative, over_cells};
 use crate::setting::Setting;
 
 /// Points of a parent are kept with probability `density / maximum`, and then weigh `maximum / density`, over what the parent's weigh.
@@ -22,16 +22,9 @@ pub struct Removal {
     pub(crate) terms: Vec<Integral>,
 }
 
-/// Parts of its largest value down to which a density is looked at.
-const FLOORS: [f64; 2] = [1e-9, 1e-14];
-
-/// What changes by more from one to the other is taken not to converge.
-const DIVERGES: f64 = 0.02;
-
 impl Removal {
     /// Finds the largest value and the integrals.
-    pub(super) fn new(spec: &str, integrands: &[Integrand], estimator: Estimator) -> Result<Self> {
-        let dim = integrands.first().map_or(2, Integrand::dim);
+    pub(super) fn new(spec: &str, dim: usize, integrands: &[Integrand], estimator: Estimator) -> Result<Self> {
         let (density, maximum) = nonnegative(spec, dim)?;
         let kept = density.integral() / maximum;
         let q = |x: [f64; 3]| density.value(&x[..dim]) / maximum;

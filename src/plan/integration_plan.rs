@@ -10,7 +10,7 @@ use super::{
     Accuracy, Batch, Correction, EnsembleShape, MAX_FREQUENCY, PairPlan, RadialBins, Removal, WaveGrid, WavePlan,
 };
 use crate::error::{Error, Result};
-use crate::integrand::{Density, Integrand, nonnegative};
+use crate::integrand::{Density, Integrand, gauss, nonnegative};
 use crate::memory::Memory;
 use crate::named::named;
 use crate::points::Domain;
@@ -32,6 +32,13 @@ pub enum Estimator {
 }
 
 named!(Estimator: Mean = "mean", Ratio = "ratio", Lambda = "lambda", CountRatio = "count-ratio");
+
+impl Estimator {
+    /// Whether it is over a random number: of points, or of their weights.
+    pub fn is_ratio(self) -> bool {
+        matches!(self, Self::Ratio | Self::CountRatio)
+    }
+}
 
 /// How points are placed by a density that is no constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,7 +211,7 @@ impl IntegrationPlan {
         if settings.shifts == 0 || settings.shifts > 1 << 16 {
             return Err(Error::setting(Setting::Shifts, settings.shifts, "expected 1 to 65536"));
         }
-        let importance = Importance::new(&settings, &integrands, estimator)?;
+        let importance = Importance::new(&settings, dim, &integrands, estimator)?;
         let integrands = match &importance {
             Some(Importance::Warp(density)) => integrands.iter().map(|f| f.warped(density)).collect::<Result<_>>()?,
             _ => integrands,
@@ -351,9 +358,8 @@ fn estimator(settings: &IntegrationSettings<'_>, weighted: bool) -> Result<Estim
             Estimator::CountRatio,
             "is for points with weights; expected `weight_column` or `intensity` beside it, or ratio",
         ),
-        Some(Estimator::Ratio | Estimator::CountRatio) if settings.by == Some(By::Warp) => {
-            let reason = "has no part in a warp, whose densities are known; expected mean or lambda";
-            Err(Error::setting(Setting::Estimator, settings.estimator.map_or("", |e| e.name()), reason))
+        Some(ratio) if ratio.is_ratio() && settings.by == Some(By::Warp) => {
+            wrong(ratio, "has no part in a warp, whose densities are known; expected mean or lambda")
         }
         Some(estimator) => Ok(estimator),
     }
@@ -378,8 +384,12 @@ impl Importance {
         }
     }
 
-    fn new(settings: &IntegrationSettings<'_>, integrands: &[Integrand], estimator: Estimator) -> Result<Option<Self>> {
-        let dim = integrands.first().map_or(2, Integrand::dim);
+    fn new(
+        settings: &IntegrationSettings<'_>,
+        dim: usize,
+        integrands: &[Integrand],
+        estimator: Estimator,
+    ) -> Result<Option<Self>> {
         let Some(spec) = settings.intensity else {
             return match settings.by {
                 None => Ok(None),
@@ -395,7 +405,7 @@ impl Importance {
         }
         match settings.by {
             None => Ok(Some(Self::Known(nonnegative(spec, dim)?.0))),
-            Some(By::Removal) => Ok(Some(Self::Removal(Removal::new(spec, integrands, estimator)?))),
+            Some(By::Removal) => Ok(Some(Self::Removal(Removal::new(spec, dim, integrands, estimator)?))),
             Some(By::Warp) => Ok(Some(Self::Warp(Density::new(spec, dim)?))),
             Some(By::Add) => {
                 let reason = "points added to others have another g than these: what is predicted from it would be wrong, even below 0; expected removal, from a parent as dense as the largest value";
@@ -407,7 +417,7 @@ impl Importance {
 
 impl PartialEq for IntegrationPlan {
     fn eq(&self, other: &Self) -> bool {
-        // Integrands, shifts and tables follow from these.
+        // All else follows from these, but for how many shifts there are.
         let specs = |plan: &Self| plan.integrands.iter().map(|i| i.spec().to_string()).collect::<Vec<_>>();
         let importance = |plan: &Self| plan.importance.as_ref().map(|i| (i.by(), i.density().to_string()));
         specs(self) == specs(other)
@@ -529,9 +539,8 @@ fn shells(integrand: &Integrand, bins: usize) -> Vec<f64> {
     let dim = integrand.dim();
     let width = 0.5 / bins as f64;
     let square = integrand.integral() * integrand.integral();
-    // Three places in r by Gauss, as many directions as a bends in.
-    const PLACES: [(f64, f64); 3] =
-        [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+    // Three places in r, as many directions as a bends in.
+    let places = gauss(3);
     let directions: Vec<[f64; 3]> = match dim {
         1 => vec![[1.0, 0.0, 0.0]],
         2 => (0..128)
@@ -551,8 +560,8 @@ fn shells(integrand: &Integrand, bins: usize) -> Vec<f64> {
     let shell = |bin: usize| {
         let (mut sum, mut weights) = (0.0, 0.0);
         let (mut lags, mut values) = (vec![[0.0; 3]; directions.len()], vec![0.0; directions.len()]);
-        for (place, weight) in PLACES {
-            let r = (bin as f64 + place) * width;
+        for (place, weight) in &places {
+            let r = (bin as f64 + 0.5 * (1.0 + place)) * width;
             lags.iter_mut().zip(&directions).for_each(|(lag, way)| *lag = way.map(|w| w * r));
             integrand.autocorrelations(&lags, &mut values);
             let weight = weight * r.powi(dim as i32 - 1);

@@ -8,7 +8,7 @@ use npyz::NpyFile;
 
 use crate::error::{Error, Result};
 use crate::report::Stored;
-use crate::samplers::{ParameterValues, Process, find};
+use crate::samplers::{ParameterValues, Process, find_with_parameters};
 use crate::setting::Setting;
 
 /// A spectrum.
@@ -146,14 +146,14 @@ impl Spectrum {
                 _ => Ok(found),
             };
         }
-        let (name, own) = spec.split_once(':').unwrap_or((spec, ""));
-        let entry = find(name).map_err(|error| match error {
+        let (entry, own) = find_with_parameters(spec).map_err(|error| match error {
             Error::Setting { reason, .. } => {
                 let reason = format!("no directory with a result, and {reason}");
                 Error::setting(Setting::PowerFrom, spec, reason)
             }
             other => other,
         })?;
+        let name = entry.name;
         let n = n.ok_or_else(|| {
             Error::setting(Setting::Points, "(none)", format!("a sampler needs a number of points; `p` is {name}"))
         })?;
@@ -161,8 +161,7 @@ impl Spectrum {
         if dim > 3 {
             return Err(Error::setting(Setting::Dim, dim, "expected 1 to 3"));
         }
-        let params: Vec<&str> =
-            own.split(',').filter(|own| !own.is_empty()).chain(params.iter().map(String::as_str)).collect();
+        let params: Vec<&str> = own.into_iter().chain(params.iter().map(String::as_str)).collect();
         let process = Process::of(entry, n, 1, dim, 1, &ParameterValues::parse(entry, &params)?)?;
         // One off every axis, and one on it: some know it on axes alone.
         if [[1, 0, 0], [2, 3, 5]]

@@ -89,6 +89,15 @@ pub fn find(name: &str) -> Result<&'static Entry> {
     entry::find_in(REGISTRY, name)
 }
 
+/// The sampler of `NAME` or `NAME:key=value,...`, and its parameters as they are given.
+///
+/// # Errors
+/// As `find`.
+pub(crate) fn find_with_parameters(spec: &str) -> Result<(&'static Entry, Vec<&str>)> {
+    let (name, own) = spec.split_once(':').unwrap_or((spec, ""));
+    Ok((find(name.trim())?, own.split(',').filter(|own| !own.is_empty()).collect()))
+}
+
 /// The candidate most like `name`, if any is like it.
 pub(crate) fn nearest_names<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let likeness = |c: &&str| strsim::jaro_winkler(&name.to_lowercase(), c);

@@ -207,14 +207,7 @@ pub fn run(
         let part = 1.0 / total as f64;
         let before = done as f64 * part;
         let mut told = |p: Progress| {
-            progress(Progress {
-                done: done as u64,
-                total,
-                before: before + part * p.before,
-                piece: part * p.piece,
-                planned: p.planned * total as f64,
-                ..p
-            });
+            progress(p.as_part(part, before, [done as u64, total]));
         };
         let view = match axes.len() {
             1..=3 => View::measured(points, axes, first, &request, device, control, &mut told, &mut warnings)?,

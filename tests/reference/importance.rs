@@ -1,16 +1,12 @@
 //! Importance sampling by weights and by removal: the estimates, what is predicted, and faults that are seen.
 
-use crate::common::*;
-use pairwave::Points;
+use crate::integrals::{self, drawn, each, found, parts, settings, sums};
 use pairwave::accumulate::IntegrationSums;
-use pairwave::compute::Compute;
 use pairwave::compute::cpu::Cpu;
 use pairwave::compute::reference::Reference;
-use pairwave::control::Control;
-use pairwave::estimate::{Analysis, IntegrationError, IntegrationErrors};
-use pairwave::plan::{Accuracy, By, Estimator, IntegrationPlan, IntegrationSettings};
+use pairwave::estimate::IntegrationErrors;
+use pairwave::plan::{By, Estimator, IntegrationPlan, IntegrationSettings};
 use pairwave::points::Ensemble;
-use pairwave::samplers::Process;
 
 /// Nowhere below a tenth of its largest value.
 const DENSITY: &str = "formula:0.25+0.75*sin(pi*x)^2*(0.4+0.6*y)";
@@ -24,32 +20,16 @@ struct Asked<'a> {
 }
 
 fn plan(ensemble: &Ensemble, asked: &Asked<'_>) -> IntegrationPlan {
-    let specs: Vec<String> = asked.integrands.iter().map(ToString::to_string).collect();
-    let shape = ensemble.shape();
     let settings = IntegrationSettings {
-        integrands: &specs,
         estimator: asked.estimator,
-        shifts: 8,
-        spatial: None,
-        top: None,
         intensity: asked.intensity,
         by: asked.by,
         weighted: asked.weighted,
         max_frequency: Some(&[10, 10, 10][..ensemble.domain().dim()]),
         low_frequency: Some(3),
-        accuracy: Accuracy::High,
-        memory: pairwave::Memory(1 << 30),
-        equal: shape.mean_points == shape.max_points as f64,
+        ..settings()
     };
-    IntegrationPlan::new(ensemble.domain(), settings, shape).unwrap()
-}
-
-fn sums(compute: &dyn Compute, plan: &IntegrationPlan, ensemble: &Ensemble) -> IntegrationSums {
-    wait(compute.integration(plan, ensemble, &Control::default())).unwrap()
-}
-
-fn drawn(name: &str, n: u64, dim: usize, k: u64) -> Ensemble {
-    Process::new(name, n, k, dim, 5, &[]).unwrap().ensemble(0..k, &Control::default()).unwrap()
+    integrals::plan(ensemble, asked.integrands, settings)
 }
 
 /// Numbers of every realization and integrand, in one row.
@@ -57,7 +37,7 @@ fn numbers(sums: &IntegrationSums) -> Vec<f64> {
     let of = |r: &pairwave::accumulate::RealizationSums| {
         let mut all = vec![r.weight, r.square];
         for s in &r.each {
-            all.extend([s.values, s.grid, s.axes, s.pairs, s.shifted[0], s.shifted[1], s.low[0], s.low[1]]);
+            all.extend(parts(s));
         }
         if let Some(removal) = &r.removal {
             all.extend([removal.kept as f64, removal.shifts as f64]);
@@ -74,7 +54,7 @@ fn cpu_equals_the_reference() {
     let all = ["gaussian:sigma=0.12", "ramp", "disk"];
     for (name, n, dim) in [("jittered", 16, 1), ("random", 30, 2), ("thomas", 24, 2), ("random", 12, 3)] {
         let density = if dim == 2 { DENSITY } else { "formula:0.3+x^2" };
-        let points = drawn(name, n, dim, 2);
+        let points = drawn(name, n, dim, 2, &[]);
         let weights: Vec<f64> = (0..points.total_points()).map(|j| 3e5 * (0.2 + (j as f64 * 0.7).sin())).collect();
         let mut cases = vec![
             (points.clone().with_weights(&weights), None, None, true),
@@ -107,7 +87,7 @@ fn cpu_equals_the_reference() {
 /// Points with weights: the error over all shifts is one number in frequency and in space, with the level that weights leave.
 #[test]
 fn both_forms_are_one_number_with_weights() {
-    let points = drawn("random", 40, 2, 3);
+    let points = drawn("random", 40, 2, 3, &[]);
     let weights: Vec<f64> = (0..120).map(|j| 0.02 * (1.0 + 0.5 * (j as f64).sin())).collect();
     let points = points.with_weights(&weights);
     for estimator in [Estimator::Lambda, Estimator::Ratio, Estimator::Mean, Estimator::CountRatio] {
@@ -148,15 +128,6 @@ fn both_forms_are_one_number_with_weights() {
             }
         }
     }
-}
-
-fn found(line: &str) -> Analysis {
-    let request = request(line);
-    pairwave::measure(Points::open(&request.input).unwrap(), &request).unwrap()
-}
-
-fn each(analysis: &Analysis) -> &[IntegrationError] {
-    &analysis.integration().unwrap().each
 }
 
 /// Points that are kept of a parent: predicted over shifts, predicted as the parents are, and observed, of every estimator.
@@ -255,7 +226,7 @@ fn wrong_weights_are_said() {
     let dir = tempfile::tempdir().unwrap();
     let run = |weight: &dyn Fn(f64, f64) -> f64, name: &str| {
         let q = |x: f64, y: f64| 0.25 + 0.75 * (std::f64::consts::PI * x).sin().powi(2) * (0.4 + 0.6 * y);
-        let ensemble = drawn("random", 100, 2, 200);
+        let ensemble = drawn("random", 100, 2, 200, &[]);
         let mut text = String::new();
         let mut state = 1u64;
         for k in 0..200 {

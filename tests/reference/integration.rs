@@ -1,57 +1,25 @@
 //! Integration errors: the identity of their two forms, every way of computing, closed forms, and what is observed.
 
 use crate::common::*;
-use pairwave::accumulate::{IntegrandSums, IntegrationSums};
+use crate::integrals::{self, drawn, each, found, parts, settings, sums};
+use pairwave::Points;
+use pairwave::accumulate::IntegrandSums;
+use pairwave::compute::Device;
 use pairwave::compute::cpu::Cpu;
 use pairwave::compute::reference::Reference;
-use pairwave::compute::{Compute, Device};
-use pairwave::control::Control;
 use pairwave::estimate::{Analysis, IntegrationError, IntegrationErrors};
 use pairwave::plan::{Accuracy, IntegrationPlan, IntegrationSettings, PairSum};
 use pairwave::points::{Domain, Ensemble};
-use pairwave::samplers::Process;
-use pairwave::{Memory, Points};
 
 /// Smooth in any dimension: all of its spectrum is within the grid.
 const SMOOTH: [&str; 2] = ["gaussian:sigma=0.12", "cosine:x=2,phase=0.3"];
 
 fn plan(ensemble: &Ensemble, integrands: &[&str], accuracy: Accuracy, f: Option<&[u32]>) -> IntegrationPlan {
-    let specs: Vec<String> = integrands.iter().map(ToString::to_string).collect();
-    let shape = ensemble.shape();
-    let settings = IntegrationSettings {
-        integrands: &specs,
-        estimator: None,
-        shifts: 8,
-        spatial: None,
-        top: None,
-        intensity: None,
-        by: None,
-        weighted: false,
-        max_frequency: f,
-        low_frequency: Some(4),
-        accuracy,
-        memory: Memory(1 << 30),
-        equal: shape.mean_points == shape.max_points as f64,
-    };
-    IntegrationPlan::new(ensemble.domain(), settings, shape).unwrap()
-}
-
-fn sums(compute: &dyn Compute, plan: &IntegrationPlan, ensemble: &Ensemble) -> IntegrationSums {
-    wait(compute.integration(plan, ensemble, &Control::default())).unwrap()
-}
-
-fn drawn(name: &str, n: u64, dim: usize, k: u64, params: &[&str]) -> Ensemble {
-    Process::new(name, n, k, dim, 5, params).unwrap().ensemble(0..k, &Control::default()).unwrap()
-}
-
-fn found(line: &str) -> Analysis {
-    let request = request(line);
-    pairwave::measure(Points::open(&request.input).unwrap(), &request).unwrap()
+    integrals::plan(ensemble, integrands, IntegrationSettings { max_frequency: f, accuracy, ..settings() })
 }
 
 fn of<'a>(analysis: &'a Analysis, name: &str) -> &'a IntegrationError {
-    let each = &analysis.integration().unwrap().each;
-    each.iter().find(|e| e.integrand.spec().starts_with(name)).unwrap()
+    each(analysis).iter().find(|e| e.integrand.spec().starts_with(name)).unwrap()
 }
 
 /// For any single set the variance over shifts is one number in frequency and in space, without statistics.
@@ -117,9 +85,6 @@ fn cpu_equals_the_reference() {
                 for ((i, a), b) in plan.integrands.iter().zip(&a.each).zip(&b.each) {
                     let what = format!("{name} {dim}D {i:?}");
                     let n2 = (n * n) as f64 * i.square_integral().max(1e-3);
-                    let parts = |s: &IntegrandSums| {
-                        [s.values, s.grid, s.axes, s.pairs, s.shifted[0], s.shifted[1], s.low[0], s.low[1]]
-                    };
                     for (k, (a, b)) in parts(a).into_iter().zip(parts(b)).enumerate() {
                         close(a, b, n2, &format!("{what}, part {k}"));
                     }
@@ -186,7 +151,7 @@ fn pairs_counted_by_distance_come_to_the_exact_sum() {
 fn lags_add_up_to_the_spatial_form() {
     let analysis =
         found("--sampler jittered -n 256 -k 20 --integrand gaussian --integrand disk --device cpu --stats counts");
-    for e in &analysis.integration().unwrap().each {
+    for e in each(&analysis) {
         let sum: f64 = e.alone + e.lags.iter().map(|shell| shell.variance).sum::<f64>();
         let whole = e.spatial.unwrap().value;
         assert!((sum / whole - 1.0).abs() < 1e-2, "{:?}: {sum} {whole}", e.integrand);
@@ -204,7 +169,7 @@ fn the_tail_closes_edges() {
     for (sampler, bound) in [("jittered -n 256 -k 40", 1e-3), ("random -n 256 -k 40", 1e-3), ("lhs -n 256 -k 40", 5e-3)]
     {
         let analysis = found(&format!("--sampler {sampler} {line}"));
-        for e in &analysis.integration().unwrap().each {
+        for e in each(&analysis) {
             let spatial = e.spatial.unwrap().value;
             assert!(
                 (e.closed.value / spatial - 1.0).abs() < bound,
@@ -248,7 +213,7 @@ fn what_is_observed_is_what_was_predicted() {
             line
         };
         let analysis = found(&format!("--sampler {sampler} {line}"));
-        for e in &analysis.integration().unwrap().each {
+        for e in each(&analysis) {
             assert!(e.z.is_none_or(|z| z.abs() < 4.5), "{sampler} {:?}: z {:?}", e.integrand, e.z);
             // Planted: a prediction without 1/n of the slides, or of fewer points, is not taken for it.
             let wrong = e.closed.value * 1.25;
@@ -366,6 +331,11 @@ fn parts_are_the_whole() {
     pairwave::accumulate::Sums::merge(&mut parts, sums(device.compute(), &plan, &ensemble.slice(0..16))).unwrap();
     assert_eq!(whole.realizations, parts.realizations);
     assert_eq!(whole.grid.mode_totals(), parts.grid.mode_totals());
+    // On other lags they are other pairs.
+    let [mut some, mut others] = [0..16, 16..32].map(|part| sums(device.compute(), &plan, &ensemble.slice(part)));
+    others.lags.pop();
+    let wrong = pairwave::accumulate::Sums::merge(&mut some, others).unwrap_err().to_string();
+    assert!(wrong.contains("pairs on 33024 lags and on 33023"), "{wrong}");
 }
 
 /// P and integration errors are of one transform where their frequencies are the same: the plan says so, and no byte of P differs.

@@ -1,17 +1,12 @@
 //! Importance sampling by a warp: where points go, what is integrated then, and what is predicted of it.
 
-use crate::common::*;
-use pairwave::accumulate::IntegrationSums;
-use pairwave::compute::Compute;
+use crate::integrals::{self, drawn, each, found, settings, sums};
+use pairwave::Integrand;
 use pairwave::compute::cpu::Cpu;
 use pairwave::compute::reference::Reference;
-use pairwave::control::Control;
-use pairwave::estimate::{Analysis, IntegrationError};
 use pairwave::integrand::Density;
-use pairwave::plan::{Accuracy, By, IntegrationPlan, IntegrationSettings};
+use pairwave::plan::{By, IntegrationPlan, IntegrationSettings};
 use pairwave::points::Ensemble;
-use pairwave::samplers::Process;
-use pairwave::{Integrand, Memory, Points};
 
 /// Gauss's rule of five places, exact up to degree 9 (Abramowitz & Stegun 25.4.30).
 const RULE: [(f64, f64); 5] = [
@@ -120,41 +115,9 @@ fn pixels_are_picked_by_hand() {
 }
 
 fn plan(ensemble: &Ensemble, integrands: &[&str], intensity: &str, f: &[u32]) -> IntegrationPlan {
-    let specs: Vec<String> = integrands.iter().map(ToString::to_string).collect();
-    let shape = ensemble.shape();
-    let settings = IntegrationSettings {
-        integrands: &specs,
-        estimator: None,
-        shifts: 8,
-        spatial: None,
-        top: None,
-        weighted: false,
-        intensity: Some(intensity),
-        by: Some(By::Warp),
-        max_frequency: Some(f),
-        low_frequency: Some(4),
-        accuracy: Accuracy::High,
-        memory: Memory(1 << 30),
-        equal: shape.mean_points == shape.max_points as f64,
-    };
-    IntegrationPlan::new(ensemble.domain(), settings, shape).unwrap()
-}
-
-fn sums(compute: &dyn Compute, plan: &IntegrationPlan, ensemble: &Ensemble) -> IntegrationSums {
-    wait(compute.integration(plan, ensemble, &Control::default())).unwrap()
-}
-
-fn drawn(name: &str, n: u64, dim: usize, k: u64) -> Ensemble {
-    Process::new(name, n, k, dim, 5, &[""; 0]).unwrap().ensemble(0..k, &Control::default()).unwrap()
-}
-
-fn found(line: &str) -> Analysis {
-    let request = request(line);
-    pairwave::measure(Points::open(&request.input).unwrap(), &request).unwrap()
-}
-
-fn of(analysis: &Analysis) -> &[IntegrationError] {
-    &analysis.integration().unwrap().each
+    let settings =
+        IntegrationSettings { intensity: Some(intensity), by: Some(By::Warp), max_frequency: Some(f), ..settings() };
+    integrals::plan(ensemble, integrands, settings)
 }
 
 /// Where the density is as the function, there is no error at all, whatever the points.
@@ -181,7 +144,7 @@ fn a_function_placed_by_itself_is_constant() {
             assert!(share > 0.0 && share < 0.01, "{share}");
             continue;
         }
-        let ensemble = drawn("random", 20, dim, 3);
+        let ensemble = drawn("random", 20, dim, 3, &[]);
         let plan = plan(&ensemble, &[f], density, &vec![3; dim]);
         let integral = plan.integrands[0].integral();
         assert_eq!(plan.integrands[0].variance(), 0.0, "{f} by {density}");
@@ -213,7 +176,7 @@ fn both_forms_are_one_number() {
         ("random", 30, 2, "gaussian:sigma=0.2", "formula:2+cos(tau*x)*sin(tau*y)", 1e-6),
         ("lhs", 30, 3, "gaussian:sigma=0.3", "gaussian:sigma=0.5", 1e-8),
     ] {
-        let ensemble = drawn(name, n, dim, 2);
+        let ensemble = drawn(name, n, dim, 2, &[]);
         let plan = plan(&ensemble, &[f], density, &vec![[60, 30, 14][dim - 1]; dim]);
         let h = &plan.integrands[0];
         for realization in sums(&Cpu::new(Some(2)).unwrap(), &plan, &ensemble).realizations {
@@ -241,7 +204,7 @@ fn jittered_points_by_hand() {
             "--sampler jittered -n 64 -k 1000 --integrand {f} --intensity {density} --by warp --device cpu --stats pcf --r-max 0.05"
         );
         let analysis = found(&line);
-        let e = &of(&analysis)[0];
+        let e = &each(&analysis)[0];
         assert!((e.v0 - (1.0 / 32.0 - 1.0 / 36.0)).abs() < 1e-7, "{}", e.v0);
         // In each of eight strips sqrt(u) / 4 has the variance of one point, of which eight are averaged.
         let moment = |i: i32, p: f64| {
@@ -284,7 +247,7 @@ fn what_is_predicted_is_observed() {
                 "--sampler {sampler} --dim {dim} -n {n} -k {k} --integrand {f} --intensity {density} --by warp --device cpu --stats pcf --r-max 0.05 --max-frequency 8"
             );
             let analysis = found(&line);
-            let e = &of(&analysis)[0];
+            let e = &each(&analysis)[0];
             let bias = e.bias.value / e.bias.se.unwrap();
             assert!(bias.abs() < 4.5, "{sampler} {f} by {density}: bias {bias} standard errors");
             let z = e.z.unwrap();

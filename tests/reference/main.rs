@@ -10,6 +10,7 @@ mod coordinates;
 mod counts;
 mod discrepancy;
 mod importance;
+mod integrals;
 mod integrands;
 mod integration;
 mod integration_warp;

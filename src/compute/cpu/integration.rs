@@ -7,8 +7,8 @@ use super::Cpu;
 use super::lag_deposit::{self, deposit};
 use super::pair_counts::pair_counts;
 use super::wave_power::{WavePoints, amplitudes};
-use crate::accumulate::{IntegrandSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums};
-use crate::compute::compensated::Compensated;
+use crate::accumulate::{IntegrandSums, KeptSums, LAG_STEP, RealizationSums, RemovalSums, add_lags};
+use crate::compute::compensated::{Compensated, total};
 use crate::compute::shifts::{lot, places, random_shift, weights, wrapped};
 use crate::control::Control;
 use crate::error::Result;
@@ -40,10 +40,7 @@ pub(in crate::compute) fn realizations(
     };
     let both = |mut a: Found, b: Found| {
         a.realizations.extend(b.realizations);
-        match a.pairs.lags.as_mut_slice() {
-            [] => a.pairs.lags = b.pairs.lags,
-            lags => lags.iter_mut().zip(&b.pairs.lags).for_each(|(sum, more)| *sum = sum.saturating_add(*more)),
-        }
+        add_lags(&mut a.pairs.lags, b.pairs.lags)?;
         Ok(a)
     };
     // Enough at a time that memory is kept from one to the next, few enough that no thread waits for another.
@@ -111,7 +108,7 @@ fn of_points(
     let mut each: Vec<IntegrandSums> = (plan.averaged.iter())
         .map(|integrand| IntegrandSums { values: sum_at(integrand, &places), ..IntegrandSums::default() })
         .collect();
-    let mut removing = plan.removal().map(|removal| Removing::new(plan, removal, index)).transpose()?;
+    let mut removing = plan.removal().map(|removal| Removing::new(plan, removal, index));
     if let Some(removing) = &mut removing {
         removing.as_is(&places)?;
     }
@@ -156,17 +153,18 @@ struct Removing<'a> {
     plan: &'a IntegrationPlan,
     removal: &'a Removal,
     index: u64,
-    /// Probabilities, then `1/q` of points that are kept and 0 of others.
+    /// Probabilities.
     q: Vec<f64>,
+    /// `1/q` of points that are kept and 0 of others.
     kept: Vec<f64>,
     values: Vec<f64>,
     sums: RemovalSums,
 }
 
 impl<'a> Removing<'a> {
-    fn new(plan: &'a IntegrationPlan, removal: &'a Removal, index: u64) -> Result<Self> {
+    fn new(plan: &'a IntegrationPlan, removal: &'a Removal, index: u64) -> Self {
         let sums = RemovalSums { kept: 0, shifts: 0, each: vec![KeptSums::default(); plan.integrands.len()] };
-        Ok(Self { plan, removal, index, q: Vec::new(), kept: Vec::new(), values: Vec::new(), sums })
+        Self { plan, removal, index, q: Vec::new(), kept: Vec::new(), values: Vec::new(), sums }
     }
 
     /// Draws which are kept: how many.
@@ -188,7 +186,7 @@ impl<'a> Removing<'a> {
         match self.plan.estimator {
             Estimator::Mean | Estimator::Lambda => Some(sum - places.len() as f64 * exact),
             _ if kept == 0 => None,
-            Estimator::Ratio => Some(sum / self.kept.iter().sum::<f64>() - exact),
+            Estimator::Ratio => Some(sum / total(self.kept.iter().copied()) - exact),
             Estimator::CountRatio => Some(sum * self.removal.kept / kept as f64 - exact),
         }
     }
