@@ -94,6 +94,8 @@ impl Room for Here {
                         "var_spatial",
                         "var_spectral",
                         "tail",
+                        "count_term",
+                        "removal",
                         "z",
                     ],
                 ),

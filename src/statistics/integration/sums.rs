@@ -11,7 +11,7 @@ use crate::estimate::{Analysis, IntegrationErrors};
 use crate::plan::{Batch, Importance, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
 use crate::points::Ensemble;
 use crate::request::Statistic;
-use crate::statistics::group::{Ask, Group, Parts, Subject, digest};
+use crate::statistics::group::{Ask, Group, Kept, Parts, Subject, digest};
 use crate::statistics::waves::Waves;
 
 /// Standard errors beyond which a difference is said to be one.
@@ -104,7 +104,6 @@ impl Group for Integration {
             "estimator": plan.importance.is_some().then(|| plan.estimator.name()),
             "pairs": pairs,
             "accuracy": plan.grid.accuracy.name(),
-            "sectors": plan.grid.rings.sectors.count,
         })
     }
 
@@ -118,6 +117,15 @@ impl Group for Integration {
 
     fn seconds(&self, n: f64) -> f64 {
         self.plan.seconds(n)
+    }
+
+    /// Whether P is wanted too says only what is summed beside.
+    fn kept(&self, sums: &IntegrationSums, wanted: &Self, _: &mut dyn Iterator<Item = u64>) -> Option<Kept<Self>> {
+        (Group::identity(self) == Group::identity(wanted)).then(|| {
+            let lends = wanted.lends && self.plan.grid == wanted.plan.grid;
+            let plan = IntegrationPlan { grid: self.plan.grid.clone(), ..wanted.plan.clone() };
+            Kept { plan: Self { plan, lends }, sums: sums.clone(), rebinned: false }
+        })
     }
 
     fn none(&self, by: ComputedBy) -> IntegrationSums {
