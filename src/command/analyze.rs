@@ -14,7 +14,7 @@ use pairwave::survey::{self, Prefixes, Views};
 use pairwave::{Error, Result, Setting, check_threads, report};
 
 use super::batch::Batch;
-use super::progress::{Bar, Tell, stop_on_interrupt, uninterrupted};
+use super::progress::{Bar, Tell, stop_on_interrupt, unhurried, uninterrupted};
 use super::{print, tell};
 
 #[derive(clap::Args)]
@@ -125,6 +125,7 @@ impl Analyze {
             other => other,
         };
         bar.finish();
+        unhurried();
         self.keep(&measurement, out, ended)
     }
 
@@ -145,10 +146,9 @@ impl Analyze {
             Some(found)
         };
         let Some(out) = out.filter(|_| measurement.realizations() > 0) else {
-            return match (ended, found(measurement)) {
-                (Ended::Failed(error), _) => Err(error),
-                (_, Some(found)) => self.conclude(found, None, None),
-                (_, None) => Ok(()),
+            return match ended {
+                Ended::Failed(error) => Err(error),
+                _ => found(measurement).map_or(Ok(()), |found| self.conclude(found, None, None)),
             };
         };
         let written = match found(measurement).filter(|_| self.batch.shard.is_none() && measurement.is_even()) {

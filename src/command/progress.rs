@@ -12,6 +12,14 @@ use pairwave::{Error, Result};
 /// Set while results are moved into place: that is soon over, and cutting it short would leave a stage behind.
 static WRITING: AtomicBool = AtomicBool::new(false);
 
+/// Set once what was done before the end is made a result: only a second Ctrl-C cuts that short.
+static KEEPING: AtomicBool = AtomicBool::new(false);
+
+/// From now on there is time.
+pub(crate) fn unhurried() {
+    KEEPING.store(true, Ordering::SeqCst);
+}
+
 /// Runs `write` to its end, whatever the user types.
 pub(crate) fn uninterrupted<T>(write: impl FnOnce() -> T) -> T {
     WRITING.store(true, Ordering::SeqCst);
@@ -36,7 +44,7 @@ pub(crate) fn stop_on_interrupt() -> Result<Arc<Control>> {
         // Without the thread the second Ctrl-C is left.
         let _ = std::thread::Builder::new().name("cancelled".into()).spawn(|| {
             std::thread::sleep(GRACE);
-            while WRITING.load(Ordering::SeqCst) {
+            while WRITING.load(Ordering::SeqCst) || KEEPING.load(Ordering::SeqCst) {
                 std::thread::sleep(Duration::from_millis(10));
             }
             super::tell(&format!("error: {}", Error::Cancelled));
