@@ -77,6 +77,17 @@ pub struct Progress {
     pub piece: f64,
     /// Seconds of one thread that the plan takes for all of it.
     pub planned: f64,
+    /// How well what is measured is known by now, if that was looked at.
+    pub known: Option<Known>,
+}
+
+/// How well something is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Known {
+    /// The median over a table of the standard error of a column.
+    Median(&'static str, f64),
+    /// The largest error of what is waited for, over what is asked for.
+    OfTarget(f64),
 }
 
 impl Progress {
@@ -88,6 +99,17 @@ impl Progress {
             before: before + part * self.before,
             piece: part * self.piece,
             planned: self.planned / part,
+            ..self
+        }
+    }
+
+    /// Of a run that is likely to end after a part of it.
+    pub(crate) fn ending_after(self, part: f64) -> Self {
+        Self {
+            total: ((self.total as f64 * part).ceil() as u64).max(self.done),
+            before: self.before / part,
+            piece: self.piece / part,
+            planned: self.planned * part,
             ..self
         }
     }
@@ -113,13 +135,6 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    pub(crate) fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let result = work();
-        self.add(stage, start.elapsed().as_secs_f64());
-        result
-    }
-
     pub(crate) fn add(&mut self, stage: &'static str, seconds: f64) {
         match self.stages.iter_mut().find(|(name, _)| *name == stage) {
             Some((_, sum)) => *sum += seconds,

@@ -5,19 +5,11 @@ mod command;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser};
-use command::Command;
+use clap::FromArgMatches;
+use command::{Arguments, config};
 
 #[global_allocator]
 static ALLOCATOR: command::Allocator = command::Allocator;
-
-/// How the samples of a pattern are correlated: g(r) and P(nu) with error bars, exact pair counts, on any GPU or none.
-#[derive(Parser)]
-#[command(version, max_term_width = 120)]
-struct Arguments {
-    #[command(subcommand)]
-    command: Command,
-}
 
 /// Where there is no desktop, Vulkan's drivers ask for a Wayland display all the same, and complain aloud that there is no folder
 /// to look for one. There: one without any.
@@ -33,16 +25,22 @@ fn look_nowhere_for_wayland() {
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
     look_nowhere_for_wayland();
-    let dress = pairwave::request::dress;
-    let mut command = Arguments::command().mut_subcommand("analyze", dress).mut_subcommand("integrate", dress);
-    let matches = command.get_matches_mut();
+    let mut command = command::interface();
+    let (words, config) = match config::expand(std::env::args_os().collect(), &mut command) {
+        Ok(expanded) => expanded,
+        Err(error) => return failed(&error),
+    };
     // clap prints usage errors itself, with exit code 2.
+    let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|error| config::exit(&error, config.as_ref()));
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
+    config::keep(&command, &matches);
     match arguments.command.run(command) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            command::tell(&format!("error: {}", error.told(pairwave::Setting::flag)));
-            ExitCode::from(error.exit_code())
-        }
+        Ok(code) => code,
+        Err(error) => failed(&error),
     }
+}
+
+fn failed(error: &pairwave::Error) -> ExitCode {
+    command::tell(&format!("error: {}", error.told(pairwave::Setting::flag)));
+    ExitCode::from(error.exit_code())
 }

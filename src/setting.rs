@@ -169,6 +169,8 @@ settings! {
     Extend = "extend",
     /// How long a run goes on.
     TimeLimit = "time_limit",
+    /// Numbers that are to be known to an error.
+    UntilError = "until_error",
     /// Whether sums are kept beside a result.
     KeepSums = "keep_sums",
     /// Whether a merged result may lack realizations.
@@ -193,6 +195,10 @@ settings! {
     Size = "size",
     /// File format of figures.
     Format = "format",
+    /// Other points that are measured beside the first.
+    Beside = "beside",
+    /// Level of significance.
+    Alpha = "alpha",
     /// Tolerance of a non-uniform transform; `accuracy` decides it in a request.
     Tolerance = "tolerance",
 }

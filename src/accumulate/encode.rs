@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 const MAGIC: &[u8; 8] = b"pairwave";
 
 /// Raised when an older program would misread what a newer one writes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Bytes in front of the header and after the arrays.
 const FRONT: usize = 8 + 4 + 8;

@@ -33,7 +33,7 @@ pub(super) async fn envelopes(
 ) -> Result<Envelopes> {
     let simulations = observed.plan.simulations;
     let (plan, domain) = (observed.plan.of_simulations(), observed.source.domain());
-    let sizes: Arc<[u64]> = observed.sizes.values().copied().collect();
+    let sizes: Arc<[u64]> = observed.sizes.values().collect();
     let observed_curves = curves(found);
     let mut simulated = vec![Vec::new(); observed_curves.len()];
     let drawn_for = data_digest(observed);
@@ -42,7 +42,7 @@ pub(super) async fn envelopes(
         let piece = observed.plan.simulated_seconds() / planned / simulations as f64;
         control.begin();
         let before = 1.0 - piece * (simulations - s) as f64;
-        progress(Progress { stage: "envelope", done: s, total: simulations, before, piece, planned });
+        progress(Progress { stage: "envelope", done: s, total: simulations, before, piece, planned, known: None });
         let (of, n) = (domain.clone(), sizes.clone());
         let random = move |range: std::ops::Range<u64>| {
             csr(

@@ -1,13 +1,14 @@
 //! The one engine: a request that is carried out step by step.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::Plan;
+use super::ahead::Ahead;
 use super::plan::{check_convention, check_points};
 use super::ranges::Ranges;
+use super::sizes::Sizes;
 use super::status::{Status, TrackStatus};
 use crate::accumulate::{Backend, ComputedBy, WavePower};
 use crate::compute::{Device, Session};
@@ -20,6 +21,7 @@ use crate::request::{PointsRequest, Request};
 use crate::setting::Setting;
 use crate::source::Points;
 use crate::statistics::group::{Effort, KeptPart, Part, PartSums, Subject, together};
+use crate::statistics::targets::{Standing, Standings};
 
 /// Seconds that a round of realizations aims at.
 const ROUND: f64 = 2.0;
@@ -59,21 +61,27 @@ pub struct Measurement {
     pub(super) plan: Plan,
     /// The realizations that it is to hold.
     pub(super) span: Range<u64>,
+    /// Realizations from here on are not measured for now.
+    pause: u64,
     /// Whether it is looked at while it goes on: short steps, ready for other settings.
     live: bool,
     /// Wanted or not; one that is not keeps its sums for when it is again.
     pub(super) tracks: Vec<Track>,
     /// Points per realization.
-    pub(super) sizes: BTreeMap<u64, u64>,
+    pub(super) sizes: Sizes,
     pub(super) duplicates: u64,
     /// The first realization, for pictures.
     pub(super) first: Option<Ensemble>,
     /// The realizations that the last step measured.
     batch: Option<Arc<Ensemble>>,
+    /// Those of the next round, drawn while this one is measured.
+    ahead: Option<Ahead>,
     /// Power of some of them that one group lends another.
     lent: Option<(Range<u64>, WavePower)>,
     /// Sums of realizations that not every group has yet: so that, whatever stops a run, all hold the same ones.
     round: Vec<(usize, Range<u64>, Box<dyn PartSums>)>,
+    /// How the numbers stand that are to be known to an error.
+    standings: Option<Standings>,
     pub(super) clock: Clock,
     pub(super) warnings: Vec<String>,
 }
@@ -116,14 +124,17 @@ impl Measurement {
             source,
             plan,
             span,
+            pause: u64::MAX,
             live: false,
             tracks,
-            sizes: BTreeMap::new(),
+            sizes: Sizes::default(),
             duplicates: 0,
             first: None,
             batch: None,
+            ahead: None,
             lent: None,
             round: Vec::new(),
+            standings: None,
             clock: Clock::default(),
             warnings,
         }
@@ -186,9 +197,9 @@ impl Measurement {
         let plan = live_plan(request, &source, device)?;
         (self.request, self.source, self.plan) = (request.clone(), source, plan);
         self.span = 0..self.total();
-        if self.tracks.iter().any(|t| t.done.end() > self.span.end) || self.sizes.len() as u64 > self.span.end {
+        if self.tracks.iter().any(|t| t.done.end() > self.span.end) || self.sizes.len() > self.span.end {
             // Fewer realizations: sums cannot be taken apart again.
-            (self.tracks, self.sizes, self.duplicates) = (Vec::new(), BTreeMap::new(), 0);
+            (self.tracks, self.sizes, self.duplicates) = (Vec::new(), Sizes::default(), 0);
         }
         (self.batch, self.lent, self.round) = (None, None, Vec::new());
         self.keep_tracks();
@@ -235,10 +246,9 @@ impl Measurement {
         let total = self.span.end - self.span.start;
         let planned = self.planned();
         let (before, piece) = self.shares(at, &range);
-        let track = &mut self.tracks[at];
         let mut told = |stage, piece| {
             control.begin();
-            tell(Progress { stage, done: range.start - self.span.start, total, before, piece, planned });
+            tell(Progress { stage, done: range.start - self.span.start, total, before, piece, planned, known: None });
         };
         let known = self
             .batch
@@ -248,11 +258,18 @@ impl Measurement {
             Some(batch) => batch.clone(),
             None => {
                 told("points", 0.0);
-                let (source, range) = (&self.source, range.clone());
-                let draw = || device.pool().install(|| source.batch(range, control));
-                Arc::new(self.clock.time("points", draw)?)
+                let start = Instant::now();
+                let ahead = self.ahead.take().filter(|ahead| *ahead.range() == range);
+                let drawn = match ahead.map(|ahead| ahead.points(control)).transpose()?.flatten() {
+                    Some(drawn) => drawn,
+                    None => device.pool().install(|| self.source.batch(range.clone(), control))?,
+                };
+                self.clock.add("points", start.elapsed().as_secs_f64());
+                self.ahead = self.after(&range).and_then(|next| Ahead::begin(&self.source, next, device.pool()));
+                Arc::new(drawn)
             }
         };
+        let track = &mut self.tracks[at];
         told(track.part.stage(), piece);
         let lent = self.lent.take().filter(|(of, _)| *of == range).map(|(_, power)| power);
         let mut session = Session::new(device, control, lent);
@@ -285,14 +302,57 @@ impl Measurement {
         }
         let at = self.furthest_behind()?;
         let (live, most) = (self.live, self.chunk());
-        let mut range = self.tracks[at].next(&self.span, live, most)?;
+        let within = self.within_reach();
+        let mut range = self.tracks[at].next(&within, live, most)?;
         if !live {
             // One that is behind comes up to the others.
             let others = self.tracks.iter().filter(|track| track.wanted && track.part.waits_for().is_none());
-            let fronts = others.filter_map(|track| track.done.gap(&self.span)).map(|gap| gap.start);
-            range.end = fronts.filter(|&front| front > range.start).fold(range.end, u64::min);
+            let fronts = others.filter_map(|track| track.done.gap(&within)).map(|gap| gap.start);
+            let most = fronts.filter(|&front| front > range.start).fold(u64::MAX, u64::min);
+            range.end = range.end.min(most);
+            // What is drawn already is what is measured next.
+            let gap = self.tracks[at].done.gap(&within).map_or(range.end, |gap| gap.end);
+            let ahead = self.ahead.as_ref().map(Ahead::range).filter(|ahead| ahead.start == range.start);
+            range.end = ahead.map(|ahead| ahead.end).filter(|&end| end <= gap.min(most)).unwrap_or(range.end);
         }
         Some((at, range))
+    }
+
+    /// The round after that of a range, if it is likely to be of as many realizations, and there is room for both.
+    fn after(&self, range: &Range<u64>) -> Option<Range<u64>> {
+        /// Bytes of points that may wait.
+        const ROOM: u64 = 256 << 20;
+        let reach = self.within_reach();
+        let room = (range.end - range.start).saturating_mul(self.source.shape().max_points).saturating_mul(48) <= ROOM;
+        let end = (range.end + (range.end - range.start)).min(reach.end);
+        let whole = range.end + (end.saturating_sub(range.end)) / LEAF * LEAF;
+        let next = range.end..if whole > range.end { whole } else { end };
+        (!self.live && room && !next.is_empty() && range.end.is_multiple_of(LEAF)).then_some(next)
+    }
+
+    /// What it is to hold for now.
+    fn within_reach(&self) -> Range<u64> {
+        self.span.start..self.span.end.min(self.pause)
+    }
+
+    /// Measures none from realization `k` on until this is called again.
+    pub(super) fn pause_at(&mut self, k: u64) {
+        self.pause = k;
+    }
+
+    /// Whether it is to hold a part of the realizations only.
+    pub(super) fn is_part(&self) -> bool {
+        self.span != (0..self.total())
+    }
+
+    /// How the numbers stand that a run was to end by; none where there are none, or before the first look.
+    pub fn standings(&self) -> &[Standing] {
+        self.standings.as_ref().map_or(&[], |standings| &standings.0)
+    }
+
+    /// Keeps how they stand.
+    pub(super) fn stand(&mut self, standings: Standings) {
+        self.standings = Some(standings);
     }
 
     /// A track that lacks the realizations of this round.
@@ -315,6 +375,11 @@ impl Measurement {
             device.pool().install(|| self.see(&batch));
         }
         Ok(())
+    }
+
+    /// Leaves a round that something ended: what not every group has is measured again.
+    pub(super) fn give_up_round(&mut self) {
+        self.round.clear();
     }
 
     /// Realizations of a round: at first a leaf, then as many as are soon done, so that little is lost where it is stopped.
@@ -350,21 +415,13 @@ impl Measurement {
 
     /// How many realizations it holds.
     pub fn realizations(&self) -> u64 {
-        self.sizes.len() as u64
+        self.sizes.len()
     }
 
     /// The realizations that it lacks, `17-32, 65-80` counted from 1; `None` if it has all.
     pub fn missing(&self) -> Option<String> {
         let mut held = Ranges::default();
-        let mut keys = self.sizes.keys().copied();
-        let mut run = keys.next().map(|first| first..first + 1);
-        for key in keys {
-            match &mut run {
-                Some(run) if run.end == key => run.end += 1,
-                _ => held.add(run.replace(key..key + 1).unwrap_or_default()),
-            }
-        }
-        held.add(run.unwrap_or_default());
+        self.sizes.runs().for_each(|(run, _)| held.add(run));
         let (mut gaps, mut from) = (Vec::new(), 0);
         while let Some(gap) = held.gap(&(from..self.total())) {
             gaps.push(if gap.end == gap.start + 1 {
@@ -401,8 +458,8 @@ impl Measurement {
     /// Notes the realizations of a batch, each once.
     fn see(&mut self, batch: &Ensemble) {
         let start = batch.first_index();
-        let new = (0..batch.realizations()).filter(|&k| !self.sizes.contains_key(&(start + k as u64)));
-        let new: Vec<usize> = new.collect();
+        let of = |k: usize| start + k as u64..start + k as u64 + 1;
+        let new: Vec<usize> = (0..batch.realizations()).filter(|&k| self.sizes.count(&of(k)) == 0).collect();
         if let (Some(&first), Some(&last)) = (new.first(), new.last()) {
             self.duplicates += match last + 1 - first == batch.realizations() {
                 true => batch.duplicates(),
@@ -410,7 +467,7 @@ impl Measurement {
             };
         }
         for k in new {
-            self.sizes.insert(start + k as u64, batch.points_in(k) as u64);
+            self.sizes.add(of(k), batch.points_in(k) as u64);
         }
         if self.first.as_ref().is_none_or(|first| start < first.first_index()) {
             self.first = Some(batch.slice(0..1));
@@ -440,7 +497,8 @@ impl Measurement {
 
     /// The track that was measured least, of those for which there is something to measure.
     fn furthest_behind(&self) -> Option<usize> {
-        let behind = |t: &Track| t.wanted && t.part.waits_for().is_none() && t.done.gap(&self.span).is_some();
+        let within = self.within_reach();
+        let behind = |t: &Track| t.wanted && t.part.waits_for().is_none() && t.done.gap(&within).is_some();
         let all = self.tracks.iter().enumerate().filter(|(_, t)| behind(t));
         all.min_by_key(|(_, t)| t.done.count()).map(|(at, _)| at)
     }
@@ -483,7 +541,7 @@ impl Measurement {
 
     /// Number and size of the realizations that were measured.
     pub(super) fn shape(&self) -> EnsembleShape {
-        EnsembleShape::of(&self.sizes.values().copied().collect::<Vec<_>>())
+        self.sizes.shape()
     }
 
     /// How far it is.
@@ -496,9 +554,11 @@ impl Measurement {
             rebinned: t.rebinned,
         });
         let effort = |t: &Track| {
-            let done = self.sizes.iter().filter(|(k, _)| t.done.iter().any(|r| r.contains(k)));
-            done.map(|(_, &n)| t.part.effort(n))
-                .fold(Effort::default(), |a, b| Effort { pairs: a.pairs + b.pairs, products: a.products + b.products })
+            let done = t.done.iter().flat_map(|range| self.sizes.within(range));
+            done.fold(Effort::default(), |all, (run, n)| {
+                let (one, count) = (t.part.effort(n), (run.end - run.start) as f64);
+                Effort { pairs: all.pairs + count * one.pairs, products: all.products + count * one.products }
+            })
         };
         let efforts: Vec<Effort> = wanted().map(effort).collect();
         Status {
@@ -521,6 +581,9 @@ impl Measurement {
         found.input = source.input().cloned();
         found.plan = self.plan.to_string();
         found.duplicates = self.duplicates;
+        let missed = |standing: &Standing| (!standing.reached).then(|| standing.short_of());
+        found.warnings.extend(self.standings.iter().flat_map(|standings| standings.0.iter().filter_map(missed)));
+        found.findings.add(self.standings.clone());
         found.warnings.splice(0..0, self.warnings.iter().cloned());
         let mut clock = self.clock.clone();
         clock.add("estimates", start.elapsed().as_secs_f64());
@@ -544,7 +607,7 @@ impl Measurement {
         let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
         found.domain = source.domain().clone();
         found.findings.add(source.inhomogeneity().cloned());
-        found.min_points = self.sizes.values().copied().min().unwrap_or(0);
+        found.min_points = self.sizes.least();
         found.conventions = request.conventions();
         found.accuracy = request.accuracy;
         if let Some(process) = subject.closed_forms() {
@@ -624,10 +687,10 @@ impl Track {
     }
 
     /// The same sums as those of another plan, if they are.
-    fn kept(self, wanted: &dyn Part, sizes: &BTreeMap<u64, u64>) -> Option<Self> {
+    fn kept(self, wanted: &dyn Part, sizes: &Sizes) -> Option<Self> {
         let done = self.done.count();
         let keep = |sums: Option<&dyn PartSums>| match sums {
-            Some(sums) => self.part.kept(sums, wanted, &mut sizes.values().copied()).map(Some),
+            Some(sums) => self.part.kept(sums, wanted, &mut sizes.values()).map(Some),
             None => Some(None),
         };
         let (whole, leaf) = (keep(self.whole.as_deref())?, keep(self.leaf.as_deref())?);

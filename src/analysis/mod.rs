@@ -1,11 +1,13 @@
 //! A request, carried out: points -> plan -> compute -> accumulate -> estimate, in batches. The command line and the
 //! viewer both call this and hold no arithmetic of their own.
 
+mod ahead;
 mod envelope;
 mod job;
 mod measurement;
 mod plan;
 mod ranges;
+mod sizes;
 mod status;
 mod sums_file;
 
@@ -17,6 +19,7 @@ pub use plan::Plan;
 pub use status::{Status, TrackStatus};
 
 pub use crate::estimate::{Analysis, ClosedForm, Envelopes};
+pub use crate::statistics::targets::{Standing, Target};
 
 use crate::compute::Device;
 use crate::control::{Control, Instant, Progress};
@@ -71,7 +74,7 @@ impl Measurement {
         let total = self.total();
         let (planned, piece) = (self.planned(), 0.0);
         let before = 1.0 - self.plan.simulated_seconds() / planned;
-        progress(Progress { stage: "estimates", done: total, total, before, piece, planned });
+        progress(Progress { stage: "estimates", done: total, total, before, piece, planned, known: None });
         let nothing = || Error::input(self.source.subject(), "there are no realizations");
         let mut found = self.analysis().ok_or_else(nothing)?;
         if self.plan.simulations > 0 {

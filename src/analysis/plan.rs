@@ -234,6 +234,12 @@ impl fmt::Display for Plan {
             writeln!(f, "skipped: {} ({why})", statistic.name())?;
         }
         writeln!(f, "together: {} realizations at a time", self.batch)?;
+        let largest: Vec<_> =
+            self.parts.iter().map(|part| (part.name(), part.memory())).filter(|of| of.1 >> 20 > 0).collect();
+        if !largest.is_empty() {
+            let words: Vec<_> = largest.iter().map(|(name, bytes)| format!("{name} {} MiB", bytes >> 20)).collect();
+            writeln!(f, "memory of sums, estimates and output, about: {}", words.join(", "))?;
+        }
         let mut all: Vec<_> = self.parts.iter().map(|part| (part.name(), self.seconds(part))).collect();
         all.push(("envelope", self.simulated_seconds()));
         all.retain(|(_, seconds)| *seconds > 0.0);

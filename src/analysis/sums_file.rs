@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::measurement::{Track, join};
 use super::ranges::Ranges;
+use super::sizes::Sizes;
 use super::{Measurement, Plan};
 use crate::accumulate::{Decoder, Encoder};
 use crate::compute::Device;
@@ -52,12 +53,9 @@ impl Measurement {
                 ));
             }
         }
-        let new: Vec<_> = other.sizes.keys().filter(|k| !self.sizes.contains_key(k)).collect();
-        if new.len() != other.sizes.len() && !new.is_empty() {
+        let common: u64 = other.sizes.runs().map(|(run, _)| self.sizes.count(&run)).sum();
+        if common != 0 && common != other.sizes.len() {
             return refuse("the parts have some of their realizations in common".into());
-        }
-        if !new.is_empty() {
-            self.duplicates += other.duplicates;
         }
         let mut others = other.tracks;
         for track in self.tracks.iter_mut().filter(|track| track.wanted) {
@@ -71,7 +69,10 @@ impl Measurement {
             }
             track.done.merge(&next.done);
         }
-        self.sizes.extend(other.sizes);
+        if common == 0 {
+            self.duplicates += other.duplicates;
+            other.sizes.runs().for_each(|(run, n)| _ = self.sizes.add(run, n));
+        }
         let earlier = |a: &Ensemble, b: &Ensemble| a.first_index() <= b.first_index();
         self.first = match (self.first.take(), other.first) {
             (Some(a), Some(b)) => Some(if earlier(&a, &b) { a } else { b }),
@@ -145,7 +146,7 @@ impl Measurement {
         out.value("lists", json!({ "edges": edges.is_some(), "frequencies": mirrored, "read": read }));
         out.f64s("edges", edges.into_iter().flatten().copied());
         out.f64s("frequencies", frequencies.into_iter().flat_map(|f| f.vectors.as_flattened()).copied());
-        out.u64s("sizes", self.sizes.iter().flat_map(|(&k, &n)| [k, n]));
+        out.u64s("sizes", self.sizes.runs().flat_map(|(run, n)| [run.start, run.end, n]));
         if let Some(first) = &self.first {
             out.within("first", |out| write_realization(first, out));
         }
@@ -210,8 +211,11 @@ impl Measurement {
             let named = known.into_iter().chain(read.plan.parts.iter().map(Part::stage)).find(|name| *name == stage);
             named.into_iter().for_each(|name| read.clock.add(name, seconds));
         }
-        let sizes = from.u64s("sizes")?;
-        read.sizes = sizes.as_chunks::<2>().0.iter().map(|&[k, n]| (k, n)).collect();
+        for &[start, end, n] in from.u64s("sizes")?.as_chunks::<3>().0 {
+            if start >= end || end > read.total() || !read.sizes.add(start..end, n) {
+                return Err(from.error(format!("its realizations {start}..{end} of {n} points cannot be")));
+            }
+        }
         if !read.sizes.is_empty() {
             read.first = Some(from.within("first", |from| read_realization(&domain, from))?);
         }
@@ -223,10 +227,10 @@ impl Measurement {
 }
 
 /// The sums of one group and which realizations they hold.
-fn read_track(track: &mut Track, sizes: &BTreeMap<u64, u64>, from: &mut Decoder<'_>) -> Result<()> {
+fn read_track(track: &mut Track, sizes: &Sizes, from: &mut Decoder<'_>) -> Result<()> {
     let mut done = Ranges::default();
     for &[start, end] in from.u64s("realizations")?.as_chunks::<2>().0 {
-        let known = start < end && sizes.range(start..end).count() as u64 == end - start;
+        let known = start < end && sizes.count(&(start..end)) == end - start;
         if !known || done.iter().any(|r| r.start < end && start < r.end) {
             return Err(from.error(format!("its realizations {start}..{end} of {} cannot be", track.part.name())));
         }

@@ -8,16 +8,18 @@ use pairwave::analysis::{Analysis, Ended, Measurement, Plan};
 use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::prediction::Predicted;
-use pairwave::request::{Request, shell_words};
+use pairwave::report::{Asked, Beside};
+use pairwave::request::Request;
 use pairwave::source::{AllAxes, Points};
 use pairwave::survey::{self, Prefixes, Views};
-use pairwave::{Error, Result, Setting, check_threads, report};
+use pairwave::{Error, Result, Setting, check_threads, comparison, report};
 
 use super::batch::Batch;
+use super::config;
 use super::progress::{Bar, Tell, stop_on_interrupt, unhurried, uninterrupted};
 use super::{print, tell};
 
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub(crate) struct Analyze {
     #[command(flatten)]
     request: Request,
@@ -50,6 +52,14 @@ pub(crate) struct Analyze {
     #[arg(long, help_heading = "Output", value_name = "LO..HI")]
     prefixes: Option<Prefixes>,
 
+    /// Measure other points too and compare: files, or a sampler
+    ///
+    /// Measure other points by the same settings too and compare them with the first: files, or a sampler (NAME or NAME:key=value,...) of as many
+    /// points and realizations; several times for several. Every result is a directory in --out, beside a page of all and `pairwave compare`'s table
+    #[arg(long, help_heading = "Output", value_name = "FILES|SAMPLER", hide_short_help = true, requires = "out",
+        conflicts_with_all = ["projections", "prefixes", "explain"])]
+    beside: Vec<String>,
+
     /// Print the plan with its cost, and stop
     #[arg(long, help_heading = "Output")]
     explain: bool,
@@ -64,6 +74,14 @@ impl Analyze {
         if self.force && self.out.is_none() {
             return Err(Error::setting(Setting::Force, "(given)", "needs `out`: without it nothing is written"));
         }
+        let control = stop_on_interrupt()?;
+        match self.beside.is_empty() {
+            true => self.run_with(&control),
+            false => self.side_by_side(&control),
+        }
+    }
+
+    fn run_with(self, control: &Arc<Control>) -> Result<()> {
         let out = self.out.as_deref().filter(|_| !self.explain);
         if let Some(out) = out {
             report::check_inputs(out, &self.request)?;
@@ -72,15 +90,14 @@ impl Analyze {
         if let Some(threads) = self.request.threads {
             check_threads(threads)?;
         }
-        let control = stop_on_interrupt()?;
         if let Some(views) = self.views() {
             if let Some(setting) = self.batch.given() {
                 let reason = "is of one measurement; `projections` and `prefixes` are many";
                 return Err(Error::setting(setting, "(given)", reason));
             }
-            return self.survey(views, &control);
+            return self.survey(views, control);
         }
-        let source = Arc::new(Points::open_with(&self.request.input, &control)?);
+        let source = Arc::new(Points::open_with(&self.request.input, control)?);
         if !self.quiet && !self.explain {
             print(&format!("{}\n", source.first_line()))?;
         }
@@ -104,11 +121,13 @@ impl Analyze {
         if measurement.realizations() > 0 && !self.quiet {
             tell(&format!("note: {} are there already", measurement.held()));
         }
-        let bar = Bar::told(if self.quiet { Tell::None } else { self.batch.progress }, &control);
-        let ended = self.batch.job(out).measure(&mut measurement, &device, &control, &mut |p| bar.show(p));
+        let bar = Bar::told(if self.quiet { Tell::None } else { self.batch.progress }, control);
+        let job = self.batch.job(out);
+        job.check(&measurement)?;
+        let ended = job.measure(&mut measurement, &device, control, &mut |p| bar.show(p));
         let ended = match ended {
             Ended::Whole if self.batch.shard.is_none() => {
-                let found = pairwave::control::wait(measurement.finish(&device, &control, &mut |p| bar.show(p)));
+                let found = pairwave::control::wait(measurement.finish(&device, control, &mut |p| bar.show(p)));
                 match found {
                     Ok(found) => {
                         bar.finish();
@@ -129,11 +148,61 @@ impl Analyze {
         self.keep(&measurement, out, ended)
     }
 
+    /// Measures the points and those beside them, each into a directory of its own, and compares the others with the first.
+    fn side_by_side(mut self, control: &Arc<Control>) -> Result<()> {
+        let Some(out) = self.out.take() else { return Ok(()) };
+        if let Some(setting) = self.batch.of_one() {
+            return Err(Error::setting(setting, "(given)", "is of one measurement, and `beside` makes several"));
+        }
+        report::check_out(&out, self.force || self.batch.owns())?;
+        self.beside.iter().try_for_each(|spec| comparison::check_beside(&self.request, spec))?;
+        let (asked, specs) = (config::asked(), std::mem::take(&mut self.beside));
+        let first = match &self.request.input.sampler {
+            Some(name) => std::iter::once(name.clone())
+                .chain(self.request.input.params.iter().cloned())
+                .collect::<Vec<_>>()
+                .join(","),
+            None => self.request.input.files.first().map_or("points".into(), |file| file.display().to_string()),
+        };
+        let mut dirs: Vec<PathBuf> = Vec::new();
+        for (k, spec) in std::iter::once(first).chain(specs).enumerate() {
+            let name = folder(&spec, |name| dirs.contains(&out.join(name)));
+            dirs.push(out.join(name));
+            let mut one = self.clone();
+            if k > 0 {
+                one.request = comparison::beside(&self.request, &spec, &dirs[0])?;
+            }
+            if self.batch.is_whole(&dirs[k]) {
+                tell(&format!("note: {} is there already", dirs[k].display()));
+                continue;
+            }
+            config::keep_part(&one.words());
+            one.out = Some(dirs[k].clone());
+            one.run_with(control)?;
+        }
+        config::ask(asked);
+        let found = comparison::compare(&dirs, comparison::ALPHA)?;
+        let force = self.force || self.batch.owns();
+        conclude(self.quiet, &found.notes, &found.text(), Some(&out), |out, asked| found.write(out, asked, force))
+    }
+
+    /// The command that makes this request.
+    fn words(&self) -> Vec<String> {
+        let mut request = self.request.clone();
+        let command = if request.stats.is_empty() { "integrate" } else { "analyze" };
+        if request.stats.is_empty() {
+            request.stats = Request::default().stats;
+        }
+        std::iter::once(command.into()).chain(request.arguments()).collect()
+    }
+
     /// Writes and says what was found.
     fn conclude(&self, mut found: Analysis, out: Option<&Path>, sums: Option<&[u8]>) -> Result<()> {
-        found.parameters.push(("command".into(), command_line().into()));
+        let asked = config::asked();
+        found.parameters.push(("command".into(), asked.command.into()));
         let force = self.force || self.batch.owns();
-        let files = out.map(|out| uninterrupted(|| report::write_with(out, &found, sums, force))).transpose()?;
+        let beside = Beside { sums, settings: asked.settings.as_deref() };
+        let files = out.map(|out| uninterrupted(|| report::write_with(out, &found, beside, force))).transpose()?;
         say(&found, out.zip(files.as_deref()), self.quiet)
     }
 
@@ -153,9 +222,11 @@ impl Analyze {
         };
         let written = match found(measurement).filter(|_| self.batch.shard.is_none() && measurement.is_even()) {
             Some(mut found) => {
-                found.parameters.push(("command".into(), command_line().into()));
+                let asked = config::asked();
+                found.parameters.push(("command".into(), asked.command.into()));
                 let (sums, force) = (measurement.write(), self.force || self.batch.owns());
-                uninterrupted(|| report::write_with(out, &found, Some(&sums), force)).map(drop)
+                let beside = Beside { sums: Some(&sums), settings: asked.settings.as_deref() };
+                uninterrupted(|| report::write_with(out, &found, beside, force)).map(drop)
             }
             None => uninterrupted(|| measurement.save(out)),
         };
@@ -228,7 +299,7 @@ impl Analyze {
             return Err(Error::setting(setting, "(given)", reason));
         }
         let out = self.out.as_deref().filter(|_| !self.explain);
-        conclude(self.quiet, &found.warnings, &found.text(), out, |out, line| found.write(out, line, self.force))
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, asked| found.write(out, asked, self.force))
     }
 
     /// What is looked at besides the points as they are.
@@ -260,7 +331,7 @@ impl Analyze {
         let found = survey::run(views, &self.request, &points, &device, control, &mut |p| bar.show(p))?;
         bar.finish();
         let out = self.out.as_deref();
-        conclude(self.quiet, &found.warnings, &found.text(), out, |out, line| found.write(out, line, self.force))
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, asked| found.write(out, asked, self.force))
     }
 }
 
@@ -270,16 +341,33 @@ pub(super) fn conclude(
     warnings: &[String],
     text: &str,
     out: Option<&Path>,
-    write: impl FnOnce(&Path, &str) -> Result<Vec<PathBuf>>,
+    write: impl FnOnce(&Path, &Asked) -> Result<Vec<PathBuf>>,
 ) -> Result<()> {
     if !quiet {
         warnings.iter().for_each(|warning| warn(warning));
         print(text)?;
     }
     let Some(out) = out else { return Ok(()) };
-    let files = uninterrupted(|| write(out, &command_line()))?;
+    let files = uninterrupted(|| write(out, &config::asked()))?;
     let names: Vec<_> = files.iter().filter_map(|f| f.file_name()?.to_str()).collect();
     if quiet { Ok(()) } else { print(&format!("{}: {}\n", out.display(), names.join(" "))) }
+}
+
+/// A name for the folder of a result: what it is of, without what a path cannot have, and another than those that are taken.
+fn folder(spec: &str, taken: impl Fn(&str) -> bool) -> String {
+    let short = if Path::new(spec).exists() {
+        Path::new(spec).file_stem().map(|stem| stem.to_string_lossy().into_owned())
+    } else {
+        None
+    };
+    let plain = |c: char| if c.is_alphanumeric() || "._-=".contains(c) { c } else { '-' };
+    let name: String = short.as_deref().unwrap_or(spec).chars().map(plain).collect();
+    let name = match name.trim_matches(['.', '-']) {
+        "" => "points",
+        name => name,
+    };
+    let numbered = (2..).map(|k| format!("{name}-{k}"));
+    std::iter::once(name.to_string()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
 }
 
 /// The width of the terminal that standard output is, if it shows braille.
@@ -296,10 +384,4 @@ fn plot_columns() -> Option<usize> {
 /// Says a warning, with settings under the names of their flags.
 fn warn(warning: &str) {
     tell(&format!("warning: {}", Setting::renamed(warning, Setting::flag)));
-}
-
-/// What was typed.
-pub(super) fn command_line() -> String {
-    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-    shell_words(std::iter::once("pairwave".to_string()).chain(arguments))
 }

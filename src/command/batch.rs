@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
-use pairwave::analysis::{Job, Measurement};
+use pairwave::analysis::{Job, Measurement, Target};
 use pairwave::compute::Device;
 use pairwave::{Error, Result, Setting, report};
 
 use super::progress::Tell;
 
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub(crate) struct Batch {
     /// Measure part I of N of the realizations, for `pairwave merge`
     ///
@@ -34,13 +34,23 @@ pub(crate) struct Batch {
 
     /// Add realizations to those of a result that kept its sums
     ///
-    /// Add realizations to those of a result that kept its sums (--keep-sums) of a sampler: -k says how many there are to be
+    /// Add realizations to those of a result that kept its sums (--keep-sums): of a sampler, whose -k says how many there are to be, or of files,
+    /// the same first and others after them
     #[arg(long, help_heading = "Batches", value_name = "DIR", hide_short_help = true, conflicts_with_all = ["shard", "resume"])]
     extend: Option<PathBuf>,
 
     /// End after so many seconds with what is measured then
     #[arg(long, help_heading = "Batches", value_name = "SECONDS", value_parser = seconds, hide_short_help = true)]
     time_limit: Option<Duration>,
+
+    /// End when a number is known well enough, as pcf@0.05:0.01
+    ///
+    /// End when a number of the result is known to a standard error: TABLE[.COLUMN]@PLACE:ERROR, the error absolute or with % of the value, as
+    /// pcf@0.05:0.01 (g in the bin of r = 0.05), spectrum_radial@20:2%, spectrum@3,-4:0.1 (P at a wave vector) or
+    /// variance.var_spectral@disk:5%; several times for several. -k, or the files, say how many realizations there may be. The error that
+    /// counts is larger than that of the table, for it is looked at more than once
+    #[arg(long, help_heading = "Batches", value_name = "FIGURE:ERROR", hide_short_help = true)]
+    until_error: Vec<Target>,
 
     /// auto, json (a line a second on standard error) or none
     #[arg(
@@ -92,15 +102,27 @@ impl Batch {
             (Setting::Resume, self.resume),
             (Setting::Extend, self.extend.is_some()),
             (Setting::TimeLimit, self.time_limit.is_some()),
+            (Setting::UntilError, !self.until_error.is_empty()),
             (Setting::KeepSums, self.keep_sums),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(setting, _)| setting)
     }
 
+    /// The first of these settings that is given, for who measures several things.
+    pub(crate) fn of_one(&self) -> Option<Setting> {
+        let all = [(Setting::Shard, self.shard.is_some()), (Setting::Extend, self.extend.is_some())];
+        all.into_iter().find(|(_, given)| *given).map(|(setting, _)| setting)
+    }
+
+    /// Whether there is nothing left to go on with in `out`.
+    pub(crate) fn is_whole(&self, out: &Path) -> bool {
+        self.resume && out.join("summary.json").exists() && !out.join(report::SUMS).exists()
+    }
+
     /// Whether the run may write into `out`, asked before the long work.
     pub(crate) fn check_out(&self, out: &Path, force: bool) -> Result<()> {
         let there = |name: &str| out.join(name).exists();
-        if self.resume && !force && there("summary.json") && !there(report::SUMS) {
+        if self.is_whole(out) && !force {
             let reason = "holds a result that is whole: there is nothing to go on with; `force` replaces it";
             return Err(Error::setting(Setting::Out, out.display(), reason));
         }
@@ -114,7 +136,11 @@ impl Batch {
 
     /// When the run leaves its sums behind, and when it ends.
     pub(crate) fn job(&self, out: Option<&Path>) -> Job {
-        Job { checkpoint: out.map(Path::to_path_buf).zip(self.checkpoint), time_limit: self.time_limit }
+        Job {
+            checkpoint: out.map(Path::to_path_buf).zip(self.checkpoint),
+            time_limit: self.time_limit,
+            until: self.until_error.clone(),
+        }
     }
 
     /// The part of the run that is to be done, with what was done before.

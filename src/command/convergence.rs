@@ -145,6 +145,6 @@ impl Convergence {
         let found = convergence::run(&subjects, &request, &device, &control, &mut |p| bar.show(p))?;
         bar.finish();
         let out = self.out.as_deref();
-        conclude(self.quiet, &found.warnings, &found.text(), out, |out, line| found.write(out, line, self.force))
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, asked| found.write(out, asked, self.force))
     }
 }

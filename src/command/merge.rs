@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use pairwave::analysis::Measurement;
+use pairwave::report::Beside;
 use pairwave::{Error, Result, Setting, report};
 
-use super::analyze::{command_line, say};
+use super::analyze::say;
+use super::config;
 use super::progress::{stop_on_interrupt, uninterrupted};
 
 #[derive(clap::Args)]
@@ -60,9 +62,11 @@ impl Merge {
         }
         let nothing = || Error::input(first.display().to_string(), "holds no realizations");
         let mut found = whole.analysis().ok_or_else(nothing)?;
-        found.parameters.push(("command".into(), command_line().into()));
+        let asked = config::asked();
+        found.parameters.push(("command".into(), asked.command.into()));
         let sums = self.keep_sums.then(|| whole.write());
-        let files = uninterrupted(|| report::write_with(&self.out, &found, sums.as_deref(), self.force))?;
+        let beside = Beside { sums: sums.as_deref(), settings: asked.settings.as_deref() };
+        let files = uninterrupted(|| report::write_with(&self.out, &found, beside, self.force))?;
         say(&found, Some((&self.out, &files)), self.quiet)
     }
 }

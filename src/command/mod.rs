@@ -2,11 +2,14 @@
 
 mod analyze;
 mod batch;
+mod compare;
 mod completions;
+pub(crate) mod config;
 mod convergence;
 mod devices;
 mod integrands;
 mod integrate;
+mod man;
 mod merge;
 mod out_of_memory;
 mod plot;
@@ -15,9 +18,27 @@ mod sample;
 mod samplers;
 mod selftest;
 
+use std::process::ExitCode;
+
+use clap::CommandFactory;
 use pairwave::Result;
 
 pub(crate) use out_of_memory::Allocator;
+
+/// How the samples of a pattern are correlated: g(r) and P(nu) with error bars, exact pair counts, on any GPU or none.
+#[derive(clap::Parser)]
+#[command(version, max_term_width = 120)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The command line as clap knows it, with the rules of the table of settings.
+pub(crate) fn interface() -> clap::Command {
+    let dress = pairwave::request::dress;
+    let command = Arguments::command().mut_subcommand("analyze", dress).mut_subcommand("integrate", dress);
+    command.arg(config::argument())
+}
 
 /// What to do.
 #[derive(clap::Subcommand)]
@@ -30,6 +51,8 @@ pub(crate) enum Command {
     Convergence(Box<convergence::Convergence>),
     /// Make one result of the parts of a batch
     Merge(merge::Merge),
+    /// Test whether results differ, value by value and over all of them
+    Compare(compare::Compare),
     /// Draw results again, several in one figure, without computing
     Plot(Box<plot::Plot>),
     /// Write realizations of a sampler to a file
@@ -42,15 +65,19 @@ pub(crate) enum Command {
     Devices,
     /// Print what completes commands, flags and names in a shell
     Completions(completions::Completions),
+    /// Write the pages of the manual
+    Man(man::Man),
     /// Hold what a device measures against what is known in closed form
     Selftest(selftest::Selftest),
 }
 
 impl Command {
     /// Carries it out; `command` is the command line itself.
-    pub(crate) fn run(self, command: clap::Command) -> Result<()> {
+    pub(crate) fn run(self, command: clap::Command) -> Result<ExitCode> {
         match self {
+            Self::Compare(compare) => return compare.run(),
             Self::Completions(completions) => completions.run(command),
+            Self::Man(man) => man.run(command),
             Self::Analyze(analyze) => analyze.run(),
             Self::Integrate(integrate) => integrate.run(),
             Self::Convergence(convergence) => convergence.run(),
@@ -62,6 +89,7 @@ impl Command {
             Self::Devices => devices::run(),
             Self::Selftest(selftest) => selftest.run(),
         }
+        .map(|()| ExitCode::SUCCESS)
     }
 }
 

@@ -5,8 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use pairwave::control::Control;
-use pairwave::control::Progress;
+use pairwave::control::{Control, Known, Progress};
 use pairwave::{Error, Result};
 
 /// Set while results are moved into place: that is soon over, and cutting it short would leave a stage behind.
@@ -61,7 +60,7 @@ pub(crate) enum Tell {
     /// A bar on a terminal, else a line each half minute.
     #[default]
     Auto,
-    /// A line of JSON each second: stage, done, total, fraction, elapsed_s, left_s, realizations_per_s.
+    /// A line of JSON each second: stage, done, total, fraction, elapsed_s, left_s, realizations_per_s, error_of, error.
     Json,
     /// Nothing.
     None,
@@ -146,6 +145,9 @@ struct Told {
     elapsed_s: f64,
     left_s: f64,
     realizations_per_s: f64,
+    /// What `error` is the median standard error of; null where it is an error over what is asked for.
+    error_of: Option<&'static str>,
+    error: Option<f64>,
 }
 
 impl Told {
@@ -159,6 +161,8 @@ impl Told {
             elapsed_s: elapsed,
             left_s: now.left(control, elapsed),
             realizations_per_s: fraction * now.total as f64 / elapsed.max(1e-3),
+            error_of: if let Some(Known::Median(of, _)) = now.known { Some(of) } else { None },
+            error: now.known.map(|(Known::Median(_, error) | Known::OfTarget(error))| error),
         }
     }
 
@@ -167,6 +171,12 @@ impl Told {
         let time = |seconds: f64| HumanDuration(Duration::from_secs_f64(seconds.min(1e9))).to_string();
         let (elapsed, left, rate) = (time(self.elapsed_s), time(self.left_s), self.realizations_per_s);
         let rate = if rate >= 10.0 { format!("{rate:.0}") } else { format!("{rate:.2}") };
-        format!("{}, {}/{}, {rate} realizations/s, {elapsed} (about {left} left)", self.stage, self.done, self.total)
+        let known = match (self.error_of, self.error) {
+            (Some(of), Some(error)) => format!(", {of} ± {error:.2e}"),
+            (None, Some(error)) => format!(", error {error:.2} of what is asked for"),
+            _ => String::new(),
+        };
+        let (stage, done, total) = (self.stage, self.done, self.total);
+        format!("{stage}, {done}/{total}{known}, {rate} realizations/s, {elapsed} (about {left} left)")
     }
 }

@@ -20,7 +20,7 @@ use crate::estimate::{
 };
 use crate::integrand::Integrand;
 use crate::plan::Estimator;
-use crate::report;
+use crate::report::{self, Asked};
 use crate::request::{Request, Statistic};
 use crate::samplers::{Entry, ParameterValues, Process, find_with_parameters};
 use crate::setting::Setting;
@@ -550,8 +550,8 @@ impl Convergence {
     ///
     /// # Errors
     /// As `report::write`.
-    pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
-        report::write_files(dir, force, command, &self.warnings, self.summary(), |files| {
+    pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
+        report::write_files(dir, force, asked, &self.warnings, self.summary(), |files| {
             files.add("convergence.csv", |file| file.write_all(&tables::variances(self).csv()?));
             files.add("ranks.csv", |file| file.write_all(&tables::ranks(self).csv()?));
             if self.has_slopes() {

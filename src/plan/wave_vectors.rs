@@ -50,6 +50,14 @@ pub(super) fn check_vectors(vectors: u128, setting: Setting, value: impl ToStrin
 }
 
 impl WaveVectors {
+    /// Bytes that sums, estimates and output take of them.
+    pub(crate) fn memory(&self) -> u128 {
+        match self {
+            Self::Grid(grid) => grid.memory(),
+            Self::List(list) => list.vectors.len() as u128 * BYTES_PER_VECTOR,
+        }
+    }
+
     /// Number of axes.
     pub fn dim(&self) -> usize {
         match self {

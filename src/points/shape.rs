@@ -14,10 +14,15 @@ pub struct EnsembleShape {
 impl EnsembleShape {
     /// Of realizations with so many points.
     pub fn of(sizes: &[u64]) -> Self {
-        Self {
-            realizations: sizes.len() as u64,
-            mean_points: sizes.iter().sum::<u64>() as f64 / sizes.len() as f64,
-            max_points: sizes.iter().copied().max().unwrap_or(0),
+        Self::of_runs(sizes.iter().map(|&n| (1, n)))
+    }
+
+    /// Of so many realizations of so many points each, run after run.
+    pub(crate) fn of_runs(runs: impl Iterator<Item = (u64, u64)>) -> Self {
+        let (mut realizations, mut points, mut most) = (0u64, 0u128, 0);
+        for (run, n) in runs {
+            (realizations, points, most) = (realizations + run, points + u128::from(run) * u128::from(n), n.max(most));
         }
+        Self { realizations, mean_points: points as f64 / realizations as f64, max_points: most }
     }
 }

@@ -11,7 +11,7 @@ use crate::estimate::Prediction;
 use crate::memory::Memory;
 use crate::plan::{Accuracy, By, EnsembleShape, Estimator, IntegrationPlan, IntegrationSettings, Spatial, WaveGrid};
 use crate::points::Domain;
-use crate::report;
+use crate::report::{self, Asked};
 use crate::request::Request;
 use crate::setting::Setting;
 use crate::statistics::Table;
@@ -231,7 +231,7 @@ impl Predicted {
     ///
     /// # Errors
     /// As `report::write`; a directory that the spectrum was read from.
-    pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
+    pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
         let place = |path: &Path| path.canonicalize().ok();
         if place(dir).is_some() && place(dir) == place(Path::new(&self.spec)) {
             let reason = "holds the spectrum that is read, and would be replaced; expected another directory";
@@ -247,7 +247,7 @@ impl Predicted {
             "estimator": self.estimator.name(),
             "max_frequency": self.max_frequency,
         });
-        report::write_files(dir, force, command, &self.warnings, own, |files| {
+        report::write_files(dir, force, asked, &self.warnings, own, |files| {
             files.add("variance.csv", |file| file.write_all(&self.table().csv()?));
         })
     }

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 pub use headline::headline;
 pub use integrand_picture::draw_integrands;
-pub(crate) use plot::Stored;
+pub(crate) use plot::{Columns, Stored};
 pub use plot::{Format, Plot, Plotted};
 pub(crate) use png::encode as png;
 pub(crate) use result_dir::Files;
@@ -49,6 +49,27 @@ pub const SUMS: &str = "partial.sums";
 /// The same while they are being written.
 pub(crate) const SUMS_NEW: &str = "partial.sums.new";
 
+/// The settings that a result was made by, where a command line was.
+pub const SETTINGS: &str = "run.toml";
+
+/// How a run was asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Asked {
+    /// The line that was typed.
+    pub command: String,
+    /// The content of a file of settings that does it again.
+    pub settings: Option<String>,
+}
+
+/// What is written beside the files of an analysis.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Beside<'a> {
+    /// Its raw sums, as bytes.
+    pub sums: Option<&'a [u8]>,
+    /// The content of a file of settings that does it again.
+    pub settings: Option<&'a str>,
+}
+
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
     outputs::all()
@@ -56,7 +77,8 @@ fn names() -> Vec<&'static str> {
         .map(|output| output.name)
         .chain(OF_SURVEYS)
         .chain(OF_CONVERGENCE)
-        .chain([SUMS, SUMS_NEW, PAGE, SUMMARY])
+        .chain(OF_COMPARISON)
+        .chain([SUMS, SUMS_NEW, SETTINGS, PAGE, SUMMARY])
         .collect()
 }
 
@@ -76,6 +98,9 @@ const OF_SURVEYS: [&str; 9] = [
 /// What a run over numbers of points writes.
 const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv", "convergence.svg"];
 
+/// What a comparison of results writes.
+const OF_COMPARISON: [&str; 1] = ["comparison.csv"];
+
 /// Writes files of the names that a result may have, as `write` does, and a summary: `own` is what it holds of its kind of run, an object.
 ///
 /// # Errors
@@ -83,19 +108,22 @@ const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv",
 pub(crate) fn write_files(
     dir: &Path,
     force: bool,
-    command: &str,
+    asked: &Asked,
     warnings: &[String],
     own: Value,
     make: impl FnOnce(&mut Files<'_>),
 ) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         make(files);
+        if let Some(settings) = &asked.settings {
+            files.add(SETTINGS, |file| file.write_all(settings.as_bytes()));
+        }
         let names: Vec<_> = files.names().into_iter().chain([SUMMARY]).collect();
         let mut summary = json!({
             "schema": summary::SCHEMA,
             "program": env!("CARGO_PKG_NAME"),
             "version": env!("CARGO_PKG_VERSION"),
-            "parameters": { "command": command },
+            "parameters": { "command": asked.command },
             "warnings": warnings,
             "files": names,
         });
@@ -153,14 +181,14 @@ pub fn check_inputs(dir: &Path, request: &Request) -> Result<()> {
 /// # Errors
 /// As `check_out`; what the file system says. Nothing is left half-written.
 pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf>> {
-    write_with(dir, analysis, None, force)
+    write_with(dir, analysis, Beside::default(), force)
 }
 
-/// The same with the raw sums, as bytes, beside it.
+/// The same with something beside it.
 ///
 /// # Errors
 /// As `write`.
-pub fn write_with(dir: &Path, analysis: &Analysis, sums: Option<&[u8]>, force: bool) -> Result<Vec<PathBuf>> {
+pub fn write_with(dir: &Path, analysis: &Analysis, beside: Beside<'_>, force: bool) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         let mut pictures = BTreeMap::new();
         for output in outputs::all() {
@@ -173,8 +201,11 @@ pub fn write_with(dir: &Path, analysis: &Analysis, sums: Option<&[u8]>, force: b
                 Err(e) => files.add(output.name, |_| Err(e)),
             }
         }
-        if let Some(sums) = sums {
+        if let Some(sums) = beside.sums {
             files.add(SUMS, |file| file.write_all(sums));
+        }
+        if let Some(settings) = beside.settings {
+            files.add(SETTINGS, |file| file.write_all(settings.as_bytes()));
         }
         files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).as_bytes()));
         let names = files.names().into_iter().chain([SUMMARY]).collect();

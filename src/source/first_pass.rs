@@ -23,6 +23,8 @@ pub(super) struct FirstPass<'a> {
     pub(super) dim: Option<usize>,
     pub(super) sizes: Vec<u64>,
     pub(super) hash: Xxh3Default,
+    /// Its digest after each realization.
+    prefixes: Vec<u128>,
     pub(super) weights: Weights,
     intensities: Seen,
     pub(super) names: Vec<String>,
@@ -48,6 +50,7 @@ impl<'a> FirstPass<'a> {
             dim: None,
             sizes: Vec::new(),
             hash: Xxh3Default::new(),
+            prefixes: Vec::new(),
             weights: Weights::default(),
             intensities: Seen::default(),
             names: Vec::new(),
@@ -105,6 +108,7 @@ impl<'a> FirstPass<'a> {
                     self.names.push(label.clone());
                 }
             }
+            self.prefixes.push(self.hash.digest128());
         }
         Ok(())
     }
@@ -165,7 +169,7 @@ impl<'a> FirstPass<'a> {
     ) -> Result<Points> {
         let domain = self.domain()?;
         let warnings = self.warnings(&domain);
-        let Self { request, sizes, hash, weights, intensities, names, numbers, remarks, outside, .. } = self;
+        let Self { request, sizes, hash, prefixes, weights, intensities, names, numbers, remarks, outside, .. } = self;
         let mut input = remarks.input;
         input.wrapped = request.wrap.then_some(outside);
         let marked = request.weight_column.is_some() || request.intensity_column.is_some();
@@ -204,6 +208,7 @@ impl<'a> FirstPass<'a> {
             domain,
             shape: EnsembleShape::of(&sizes),
             identity,
+            prefixes,
             classes: names,
             weights,
             fewest: sizes.iter().copied().min().unwrap_or(0),

@@ -42,6 +42,8 @@ pub struct Points {
     shape: EnsembleShape,
     /// What makes these points the ones they are: equal ones are of equal points, realization by realization.
     identity: Value,
+    /// Of files, the digest of the first realization, the first two, ...
+    prefixes: Vec<u128>,
     classes: Vec<String>,
     weights: Weights,
     /// What they are weighted by the inverse of.
@@ -244,6 +246,7 @@ impl Points {
             domain: ensemble.domain().clone(),
             shape: ensemble.shape(),
             identity: json!({ "points": digest(&ensemble) }),
+            prefixes: Vec::new(),
             classes: Vec::new(),
             weights: Weights::of(&ensemble),
             intensity: None,
@@ -285,6 +288,7 @@ impl Points {
             domain,
             shape,
             identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
+            prefixes: Vec::new(),
             classes: Vec::new(),
             weights: Weights::default(),
             intensity: None,
@@ -304,6 +308,7 @@ impl Points {
             domain,
             shape,
             identity,
+            prefixes: Vec::new(),
             classes: Vec::new(),
             weights: Weights::default(),
             intensity: None,
@@ -330,6 +335,7 @@ impl Points {
             domain,
             shape,
             identity,
+            prefixes: Vec::new(),
             classes,
             weights: Weights::default(),
             intensity: found.map(Intensity::of_elsewhere),
@@ -371,6 +377,15 @@ impl Points {
     /// What makes these points the ones they are.
     pub(crate) fn identity(&self) -> &Value {
         &self.identity
+    }
+
+    /// The identity of their first realizations alone, where more of them are the same points; none where that is not known.
+    pub(crate) fn identity_of_first(&self, realizations: u64) -> Option<Value> {
+        let digest = self.prefixes.get(usize::try_from(realizations).ok()?.checked_sub(1)?)?;
+        let mut identity = self.identity.clone();
+        identity["digest"] = json!(format!("{digest:032x}"));
+        // What is relative to the largest of all changes with more of them.
+        ["weights", "intensities"].iter().all(|marks| identity[marks].is_null()).then_some(identity)
     }
 
     /// What this is, in words.

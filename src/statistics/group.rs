@@ -120,6 +120,11 @@ pub(crate) trait Group: Clone + PartialEq + Debug + Display + Send + Sync + 'sta
         0.0
     }
 
+    /// Bytes that its sums, estimates and output take at most, beside the points of a batch; 0 where that is little.
+    fn memory(&self) -> u128 {
+        0
+    }
+
     /// How a simulation for envelopes measures it; `None` if no curve depends on it.
     fn in_simulations(&self) -> Option<Self> {
         None
@@ -173,6 +178,7 @@ pub(crate) trait Part: Any + Debug + Display + Send + Sync {
     fn warnings(&self, sums: &dyn PartSums, subject: &Subject<'_>, parts: &Parts, found: &Analysis) -> Vec<String>;
     fn effort(&self, n: u64) -> Effort;
     fn seconds(&self, n: f64) -> f64;
+    fn memory(&self) -> u128;
     fn in_simulations(&self) -> Option<Box<dyn Part>>;
     fn curve_values(&self) -> usize;
     fn keep_ready(&mut self);
@@ -244,6 +250,10 @@ impl<G: Group> Part for G {
 
     fn seconds(&self, n: f64) -> f64 {
         Group::seconds(self, n)
+    }
+
+    fn memory(&self) -> u128 {
+        Group::memory(self)
     }
 
     fn in_simulations(&self) -> Option<Box<dyn Part>> {

@@ -17,11 +17,13 @@ mod intensity;
 mod keys;
 mod lags;
 mod layers;
+pub(crate) mod measured;
 mod neighbors;
 mod output;
 mod pairs;
 mod psa;
 mod table;
+pub(crate) mod targets;
 pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
@@ -96,6 +98,7 @@ pub(crate) const ROOMS: &[&dyn Room] = &[
     &integration::Here,
     &counts::Here,
     &intensity::Here,
+    &targets::Here,
 ];
 
 /// Behind a length on a terminal: the name of its unit, if it has one.

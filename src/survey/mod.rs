@@ -20,7 +20,7 @@ use crate::display::{Pixels, paper};
 use crate::error::{Error, Result, plural};
 use crate::estimate::{Analysis, Discrepancies};
 use crate::plan::EnsembleShape;
-use crate::report;
+use crate::report::{self, Asked};
 use crate::request::{DEFAULT_STATISTICS, Request, SETTINGS, Statistic};
 use crate::setting::Setting;
 use crate::source::AllAxes;
@@ -350,7 +350,7 @@ impl Survey {
     ///
     /// # Errors
     /// As `report::write`.
-    pub fn write(&self, dir: &Path, command: &str, force: bool) -> Result<Vec<PathBuf>> {
+    pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
         let (kind, names) = match self.views {
             Views::Projections => ("projections", ["projections.csv", "projections_pcf.csv", "projections_radial.csv"]),
             Views::Prefixes(_) => ("prefixes", ["prefixes.csv", "prefixes_pcf.csv", "prefixes_radial.csv"]),
@@ -364,7 +364,7 @@ impl Survey {
             "views": self.each.len(),
             "device": self.device,
         });
-        report::write_files(dir, force, command, &self.warnings, own, |files| {
+        report::write_files(dir, force, asked, &self.warnings, own, |files| {
             let tables = [Some(self.scalars()), tables::pcf(self), tables::radial(self)];
             for (name, table) in names.into_iter().zip(tables) {
                 if let Some(table) = table {

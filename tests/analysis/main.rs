@@ -8,3 +8,5 @@ mod fallback;
 mod measurement;
 mod sources;
 mod streaming;
+mod survives;
+mod targets;

@@ -17,7 +17,9 @@ fn bytes(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = std::fs::read_dir(dir).unwrap().map(|file| file.unwrap().path());
     let named =
         files.map(|path| (path.file_name().unwrap().to_str().unwrap().to_string(), std::fs::read(&path).unwrap()));
-    named.filter(|(name, _)| !["summary.json", "report.html", "partial.sums"].contains(&name.as_str())).collect()
+    named
+        .filter(|(name, _)| !["summary.json", "report.html", "partial.sums", "run.toml"].contains(&name.as_str()))
+        .collect()
 }
 
 /// The summary without what differs between runs.
@@ -167,6 +169,23 @@ fn realizations_are_added_to_a_result() {
         &format!("analyze {finer} --extend all --out less"),
         1,
         "all: merge: the parts are not of the same measurement: sums, g(r), edges",
+    );
+    // Of files, the same first and others after them.
+    for (k, name) in [(20, "20.npy"), (40, "40.npy")] {
+        scratch.ok(&format!("sample jittered -n 64 -k {k} --quiet --out {name}"));
+    }
+    scratch.ok("sample jittered -n 64 -k 40 --seed 2 --quiet --out others.npy");
+    let files = "--stats pcf,spectrum --device cpu --quiet";
+    scratch.ok(&format!("analyze 40.npy {files} --out of_files"));
+    scratch.ok(&format!("analyze 20.npy {files} --keep-sums --out of_few"));
+    scratch.ok(&format!("analyze 40.npy {files} --extend of_few --out of_more"));
+    let (whole, more) = (scratch.path("of_files"), scratch.path("of_more"));
+    assert!(bytes(&whole) == bytes(&more));
+    assert_eq!((&summary(&whole)["subject"], &summary(&whole)["k"]), (&summary(&more)["subject"], &40.into()));
+    scratch.fails(
+        &format!("analyze others.npy {files} --extend of_few --out less"),
+        1,
+        "of_few: merge: the parts are not",
     );
     // Other points are not added to.
     let other = run.replace("jittered", "random");

@@ -677,7 +677,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         (
             "analyze three.txt --max-frequency 2000",
             2,
-            "--max-frequency 2000: 64048012001 wave vectors need about 1908 GiB; at most 536870912 are supported (rings alone: --stats radial --ring-directions N)",
+            "--max-frequency 2000: 64048012001 wave vectors need about 3101 GiB; at most 536870912 are supported (rings alone: --stats radial --ring-directions N)",
         ),
         (
             "analyze ok.csv --r-max 0.8 --beyond-half",

@@ -6,6 +6,8 @@ mod common;
 
 mod analyze;
 mod batches;
+mod compare;
+mod config;
 mod convention;
 mod convergence;
 mod envelope;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 28] = [
+pub const FLOORS: [&str; 29] = [
     "setting",
     "named",
     "sinc",
@@ -32,6 +32,7 @@ pub const FLOORS: [&str; 28] = [
     "survey",
     "convergence",
     "prediction",
+    "comparison",
     "command",
 ];
 

@@ -20,7 +20,7 @@ use crate::setting::Setting;
 use crate::stage;
 use crate::statistics::axes::{DRAWN, Drawn, Level, Values};
 use result::Curve;
-pub(crate) use result::Stored;
+pub(crate) use result::{Columns, Stored};
 
 /// What is drawn, of which results, and how.
 #[derive(Debug, Clone, Default, PartialEq)]

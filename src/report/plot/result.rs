@@ -11,6 +11,7 @@ use crate::plan::Convention;
 use crate::points::UnitName;
 use crate::report::SUMMARY;
 use crate::statistics::axes::{DRAWN, Drawn};
+use crate::statistics::measured::{Cells, number};
 
 /// A directory that holds a result.
 pub(crate) struct Stored {
@@ -42,11 +43,11 @@ const COMPARED: [(&str, &str); 15] = [
     ("/parameters/kernel", "kernel"),
     ("/pair_correlation/kernel/bandwidth", "bandwidth"),
     ("/parameters/convention", "convention"),
-    ("/parameters/bug_compatible", "bugs of the convention"),
+    ("/parameters/bug-compatible", "bugs of the convention"),
     ("/parameters/taper", "taper"),
     ("/parameters/tapers", "number of tapers"),
     ("/parameters/debias", "debiasing"),
-    ("/parameters/weight_column", "weights"),
+    ("/parameters/weight-column", "weights"),
     ("/inhomogeneous/intensity", "intensity"),
 ];
 
@@ -69,6 +70,18 @@ impl Stored {
             Some(env!("CARGO_PKG_NAME")) => Ok(Self { dir: dir.into(), summary }),
             _ => Err(no_result(&format!("has a {SUMMARY} of another program"))),
         }
+    }
+
+    /// Where it is.
+    pub(crate) fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Whether its points are those of another: of one sampler and seed, or of the same files.
+    pub(crate) fn shares_points_with(&self, other: &Self) -> bool {
+        const SAME: [&str; 7] = ["files", "sampler", "points", "dim", "seed", "params", "sides"];
+        let drawn = ["files", "sampler"].iter().any(|key| self.summary["parameters"].get(key).is_some());
+        drawn && SAME.iter().all(|key| self.summary["parameters"].get(key) == other.summary["parameters"].get(key))
     }
 
     /// A value of the summary, by its pointer.
@@ -140,7 +153,7 @@ impl Stored {
     }
 
     /// What was measured otherwise than in another, in words.
-    pub(super) fn differences(&self, other: &Self) -> Vec<String> {
+    pub(crate) fn differences(&self, other: &Self) -> Vec<String> {
         let value = |of: &Self, key| match of.summary.pointer(key) {
             None | Some(Json::Null) => "left out".into(),
             Some(Json::String(text)) => text.clone(),
@@ -153,23 +166,26 @@ impl Stored {
 }
 
 impl Columns {
+    /// Its cells, by columns.
+    pub(crate) fn cells(&self) -> Cells<'_> {
+        let column = |k: usize| self.rows.iter().map(|row| row.get(k).unwrap_or_default()).collect();
+        Cells::new(self.header.iter().enumerate().map(|(k, name)| (name.as_str(), column(k))))
+    }
+
+    /// What is wrong with a row.
+    pub(crate) fn fault(&self, row: usize, why: String) -> Error {
+        let line = self.rows.get(row).and_then(csv::StringRecord::position).map_or(0, csv::Position::line);
+        Error::input(format!("{}:{line}", self.path.display()), why)
+    }
+
     fn find(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|h| h == name)
     }
 
     /// The number in a cell; none where it is empty.
     fn number(&self, row: usize, column: usize) -> Result<Option<f64>> {
-        let record = &self.rows[row];
-        let cell = record.get(column).unwrap_or_default();
-        match cell.parse::<f64>() {
-            _ if cell.is_empty() => Ok(None),
-            Ok(x) if x.is_finite() => Ok(Some(x)),
-            _ => {
-                let line = record.position().map_or(0, csv::Position::line);
-                let reason = format!("column {} holds {cell}; expected a number, or nothing", self.header[column]);
-                Err(Error::input(format!("{}:{line}", self.path.display()), reason))
-            }
-        }
+        let cell = self.rows[row].get(column).unwrap_or_default();
+        number(cell).map_err(|why| self.fault(row, format!("column {} {why}", self.header[column])))
     }
 
     /// The curves of a figure, or why there are none.

@@ -181,6 +181,10 @@ impl Group for Waves {
         if self.lent { 0.0 } else { self.plan.seconds(n) }
     }
 
+    fn memory(&self) -> u128 {
+        self.plan.waves.memory()
+    }
+
     fn kept(&self, sums: &WavePower, wanted: &Self, sizes: &mut dyn Iterator<Item = u64>) -> Option<Kept<Self>> {
         if Group::identity(self) == Group::identity(wanted) {
             return Some(Kept { plan: wanted.clone(), sums: sums.clone(), rebinned: false });

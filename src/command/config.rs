@@ -1,0 +1,321 @@
+//! `--config`: the settings of a command from a file, and the file that repeats a run.
+//!
+//! A file is a table of flags by their long names (`r-max = 0.1`, `stats = ["pcf"]`, `wrap = true`), of files by `files`. Its settings become
+//! arguments before those that are typed; what is typed wins, also over settings that it cannot be given with.
+
+use std::ffi::OsString;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use clap::error::ContextKind;
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use pairwave::report::Asked;
+use pairwave::request::{SETTINGS, shell_words};
+use pairwave::{Error, Result};
+use toml::Value;
+
+/// The key that says which command a file is of.
+const COMMAND: &str = "command";
+
+/// What says where a result goes and how a run is carried out, not what the result is.
+const APART: [&str; 11] =
+    ["config", "out", "force", "quiet", "progress", "checkpoint", "resume", "time_limit", "explain", "help", "version"];
+
+/// What was typed, or is carried out as a part of it.
+static ASKED: Mutex<Option<Asked>> = Mutex::new(None);
+
+/// The line of the run, and its settings, defaults too, as a file that repeats it.
+pub(crate) fn asked() -> Asked {
+    ASKED.lock().unwrap_or_else(PoisonError::into_inner).clone().unwrap_or_default()
+}
+
+/// Says what was typed.
+pub(crate) fn ask(asked: Asked) {
+    *ASKED.lock().unwrap_or_else(PoisonError::into_inner) = Some(asked);
+}
+
+/// The argument, for every command.
+pub(crate) fn argument() -> Arg {
+    Arg::new("config")
+        .long("config")
+        .value_name("FILE")
+        .global(true)
+        .hide_short_help(true)
+        .help("Settings from a TOML file; what is typed wins")
+        .long_help(
+            "Settings from a TOML file, by the long names of flags: r-max = 0.1, stats = [\"pcf\"], wrap = true, files = [\"a.csv\"]; what is \
+             typed wins. Every result has the settings it was made by in run.toml",
+        )
+}
+
+/// A file of settings.
+pub(crate) struct Config {
+    path: PathBuf,
+    text: String,
+    settings: Vec<(toml::Spanned<String>, Value)>,
+}
+
+type Entries = std::collections::BTreeMap<toml::Spanned<String>, Value>;
+
+impl Config {
+    fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
+        let place = |offset: usize| format!("{}:{}", path.display(), line(&text, offset));
+        let entries: Entries = toml::from_str(&text).map_err(|e| {
+            let reason = format!("is no TOML: {}", e.message());
+            Error::input(e.span().map_or_else(|| path.display().to_string(), |span| place(span.start)), reason)
+        })?;
+        let mut settings: Vec<_> = entries.into_iter().collect();
+        settings.sort_by_key(|(key, _)| key.span().start);
+        Ok(Self { path: path.into(), text, settings })
+    }
+
+    fn fault(&self, key: &toml::Spanned<String>, reason: String) -> Error {
+        let place = format!("{}:{}", self.path.display(), line(&self.text, key.span().start));
+        Error::input(place, format!("{}: {reason}", key.get_ref()))
+    }
+
+    /// The command that it is of, if it says so.
+    fn command(&self) -> Result<Option<&str>> {
+        let Some((key, value)) = self.settings.iter().find(|(key, _)| key.get_ref() == COMMAND) else {
+            return Ok(None);
+        };
+        let name =
+            value.as_str().ok_or_else(|| self.fault(key, format!("is {value}; expected the name of a command")))?;
+        Ok(Some(name))
+    }
+
+    /// Where a flag of it is set: `run.toml:3`.
+    pub(crate) fn place(&self, flag: &str) -> Option<String> {
+        let name = flag.trim_start_matches('-').split(['=', ' ']).next()?;
+        let (key, _) = self.settings.iter().find(|(key, _)| dashed(key.get_ref()) == name)?;
+        Some(format!("{}:{}", self.path.display(), line(&self.text, key.span().start)))
+    }
+
+    /// Its settings as arguments of a command, but those that are typed or cannot be given with what is.
+    fn arguments(&self, command: &Command, typed: Option<&ArgMatches>) -> Result<Vec<OsString>> {
+        let is_typed = |arg: &Arg| {
+            typed.is_some_and(|typed| typed.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine))
+        };
+        let typed_files = command.get_arguments().any(|arg| arg.get_id() == "files" && is_typed(arg));
+        let mut arguments = Vec::new();
+        for (key, value) in self.settings.iter().filter(|(key, _)| key.get_ref() != COMMAND) {
+            let name = dashed(key.get_ref());
+            let found = command.get_arguments().find(|arg| named(arg) == name).filter(|arg| arg.get_id() != "config");
+            let Some(arg) = found else {
+                return Err(self.fault(key, unknown(&name, command)));
+            };
+            let apart = |other: &Arg| command.get_arg_conflicts_with(other).iter().any(|a| a.get_id() == arg.get_id());
+            let beaten = command.get_arguments().filter(|other| is_typed(other)).any(|other| {
+                apart(other) || command.get_arg_conflicts_with(arg).iter().any(|a| a.get_id() == other.get_id())
+            });
+            // Files come as they are: how a sampler draws says nothing about them.
+            let idle = typed_files && SETTINGS.iter().any(|row| row.for_samplers && row.setting.name() == arg.get_id());
+            if is_typed(arg) || beaten || idle {
+                continue;
+            }
+            let words = words(arg, value).map_err(|reason| self.fault(key, reason))?;
+            arguments.extend(words.into_iter().map(OsString::from));
+        }
+        Ok(arguments)
+    }
+}
+
+/// The arguments with those of a file of settings before them, if one is named.
+///
+/// # Errors
+/// A file that cannot be read, is of another command, or sets what the command does not have.
+pub(crate) fn expand(mut typed: Vec<OsString>, command: &mut Command) -> Result<(Vec<OsString>, Option<Config>)> {
+    command.build();
+    let Some(path) = taken(&mut typed)? else { return Ok((typed, None)) };
+    let config = Config::read(&path)?;
+    let names: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_string()).collect();
+    let at = typed.iter().skip(1).position(|word| names.iter().any(|name| word == name.as_str())).map(|at| at + 1);
+    let asked = at.map(|at| typed[at].to_string_lossy().into_owned());
+    let name = match (asked, config.command()?) {
+        (Some(asked), Some(of)) if asked != of => {
+            let reason = format!("holds settings of {of}; expected those of {asked}");
+            return Err(Error::input(path.display().to_string(), reason));
+        }
+        (Some(asked), _) => asked,
+        (None, Some(of)) => {
+            typed.insert(1, of.into());
+            of.to_string()
+        }
+        (None, None) => {
+            let reason = "does not say which command it is of; expected one, as `pairwave analyze --config FILE`";
+            return Err(Error::input(path.display().to_string(), reason));
+        }
+    };
+    let Some(sub) = command.find_subcommand(&name) else {
+        let reason = format!("holds settings of {name}, which is no command; expected one of {}", names.join(", "));
+        return Err(Error::input(path.display().to_string(), reason));
+    };
+    // What is typed is looked at as it stands; what is wrong with it is said when all is parsed.
+    let matches = command.clone().ignore_errors(true).try_get_matches_from(&typed).ok();
+    let of_file = config.arguments(sub, matches.as_ref().and_then(|matches| matches.subcommand_matches(&name)))?;
+    let after = typed.iter().position(|word| *word == *name).map_or(typed.len(), |at| at + 1);
+    typed.splice(after..after, of_file);
+    Ok((typed, Some(config)))
+}
+
+/// Ends with what is wrong with the arguments, and where the file sets what is.
+pub(crate) fn exit(error: &clap::Error, config: Option<&Config>) -> ! {
+    let _ = error.print();
+    let wrong = error.get(ContextKind::InvalidArg).map(|value| value.to_string());
+    if let Some((place, wrong)) = wrong.and_then(|wrong| Some((config?.place(&wrong)?, wrong))) {
+        super::tell(&format!("{wrong} is set in {place}"));
+    }
+    std::process::exit(error.exit_code())
+}
+
+/// Takes `--config FILE` out of the arguments.
+fn taken(typed: &mut Vec<OsString>) -> Result<Option<PathBuf>> {
+    let end = typed.iter().position(|word| word == "--").unwrap_or(typed.len());
+    let is = |word: &OsString| word == "--config" || word.to_string_lossy().starts_with("--config=");
+    let Some(at) = typed[..end].iter().position(is) else { return Ok(None) };
+    let word = typed.remove(at).to_string_lossy().into_owned();
+    let path = match word.split_once('=') {
+        Some((_, path)) => path.into(),
+        None if at < typed.len() => typed.remove(at),
+        None => return Err(Error::input("--config", "expected a file of settings, as run.toml")),
+    };
+    match typed.iter().take_while(|word| *word != "--").any(is) {
+        true => Err(Error::input("--config", "is given twice; expected one file of settings")),
+        false => Ok(Some(path.into())),
+    }
+}
+
+/// Keeps what was typed, and the settings that came of it.
+pub(crate) fn keep(command: &Command, matches: &ArgMatches) {
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    keep_words(words, command, matches);
+}
+
+/// Keeps another command, which is a part of what was typed, as if that had been.
+pub(crate) fn keep_part(words: &[String]) {
+    let mut command = super::interface();
+    let all = std::iter::once("pairwave").chain(words.iter().map(String::as_str));
+    if let Ok(matches) = command.try_get_matches_from_mut(all) {
+        keep_words(words.iter().cloned(), &command, &matches);
+    }
+}
+
+fn keep_words(words: impl Iterator<Item = String>, command: &Command, matches: &ArgMatches) {
+    let line = shell_words(std::iter::once("pairwave".to_string()).chain(words));
+    ask(Asked { command: line, settings: settings(command, matches) });
+}
+
+/// The settings of a run, as a file that repeats it.
+fn settings(command: &Command, matches: &ArgMatches) -> Option<String> {
+    let (name, matches) = matches.subcommand()?;
+    let sub = command.find_subcommand(name)?;
+    let mut text = format!(
+        "# pairwave {}: `pairwave {name} --config FILE --out DIR` does it again; paths are as they were typed.\n{COMMAND} = \"{name}\"\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    for arg in sub.get_arguments().filter(|arg| !APART.contains(&arg.get_id().as_str())) {
+        if let Some(value) = value(arg, matches) {
+            let _ = writeln!(text, "{} = {value}", named(arg));
+        }
+    }
+    Some(text)
+}
+
+/// The value of an argument; none where it has none.
+fn value(arg: &Arg, matches: &ArgMatches) -> Option<Value> {
+    let id = arg.get_id().as_str();
+    matches.value_source(id)?;
+    if matches!(arg.get_action(), ArgAction::SetTrue) {
+        return matches.get_flag(id).then_some(Value::Boolean(true));
+    }
+    let mut values: Vec<Value> = matches.get_raw(id)?.map(|word| typed(&word.to_string_lossy())).collect();
+    match (values.len(), is_list(arg)) {
+        (0, _) => None,
+        (1, false) => values.pop(),
+        _ => Some(Value::Array(values)),
+    }
+}
+
+/// A word as it was typed: a number where that is written alike.
+fn typed(word: &str) -> Value {
+    match (word.parse::<i64>(), word.parse::<f64>()) {
+        (Ok(number), _) if number.to_string() == word => Value::Integer(number),
+        (_, Ok(number)) if number.is_finite() && Value::Float(number).to_string() == word => Value::Float(number),
+        _ => Value::String(word.into()),
+    }
+}
+
+/// Whether it takes several values.
+fn is_list(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::Append)
+        || arg.get_value_delimiter().is_some()
+        || arg.get_num_args().is_some_and(|number| number.max_values() > 1)
+}
+
+/// The words by which a value is typed.
+fn words(arg: &Arg, value: &Value) -> Result<Vec<String>, String> {
+    let name = named(arg);
+    let flag = matches!(arg.get_action(), ArgAction::SetTrue);
+    let texts = match value {
+        Value::Boolean(given) if flag => return Ok(if *given { vec![format!("--{name}")] } else { Vec::new() }),
+        _ if flag => return Err(format!("is {value}; expected true or false")),
+        Value::Array(values) => values.iter().map(word).collect::<Result<Vec<_>, _>>()?,
+        Value::Table(pairs) if arg.get_action().takes_values() && is_list(arg) => pairs
+            .iter()
+            .map(|(key, value)| Ok(format!("{key}={}", word(value)?)))
+            .collect::<Result<Vec<_>, String>>()?,
+        one => vec![word(one)?],
+    };
+    let separate = matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none();
+    Ok(if arg.is_positional() {
+        // What begins with a dash would be taken for a flag.
+        texts
+            .into_iter()
+            .map(|text| if text.len() > 1 && text.starts_with('-') { format!("./{text}") } else { text })
+            .collect()
+    } else if separate {
+        texts.into_iter().map(|text| format!("--{name}={text}")).collect()
+    } else {
+        let delimiter = arg.get_value_delimiter().unwrap_or(',').to_string();
+        vec![format!("--{name}={}", texts.join(&delimiter))]
+    })
+}
+
+fn word(value: &Value) -> Result<String, String> {
+    match value {
+        Value::String(text) => Ok(text.clone()),
+        Value::Integer(number) => Ok(number.to_string()),
+        Value::Float(number) if number.is_finite() => Ok(number.to_string()),
+        Value::Boolean(given) => Ok(given.to_string()),
+        other => Err(format!("is {other}; expected a number, a word in quotes, true, false, or a list of them")),
+    }
+}
+
+/// The key of an argument: its long name, or what it is called where it has no flag.
+fn named(arg: &Arg) -> String {
+    arg.get_long().map_or_else(|| dashed(arg.get_id().as_str()), str::to_string)
+}
+
+fn dashed(key: &str) -> String {
+    key.replace('_', "-")
+}
+
+/// Why there is no setting of a name, with the nearest that there is.
+fn unknown(name: &str, command: &Command) -> String {
+    let names =
+        command.get_arguments().map(named).filter(|other| !["help", "version", "config"].contains(&other.as_str()));
+    let near = names.map(|other| (strsim::jaro_winkler(name, &other), other)).max_by(|a, b| a.0.total_cmp(&b.0));
+    let hint = match near {
+        Some((likeness, other)) if likeness > 0.7 => format!("; did you mean {other}?"),
+        _ => format!("; `pairwave {} --help` lists them", command.get_name()),
+    };
+    format!("is no setting of {}{hint}", command.get_name())
+}
+
+/// The line of an offset, from 1.
+fn line(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+}
