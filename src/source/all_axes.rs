@@ -115,7 +115,10 @@ impl AllAxes {
             check_memory(memory, numbers)
         })?;
         let dim = sets.first().map_or(0, |set: &RawPoints| set.dim);
-        let (origin, sides, is_torus) = place(request, dim)?;
+        let (origin, sides, is_torus) = match seen.stated(request)? {
+            Some(stated) => (stated.origin().to_vec(), stated.sides().to_vec(), stated.is_torus()),
+            None => place(request, dim)?,
+        };
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let more = if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() };
         let warnings = seen.all();
@@ -239,7 +242,11 @@ impl AllAxes {
     pub fn view(&self, axes: &[usize], first: Option<u64>) -> Result<Points> {
         let sides: Vec<f64> = axes.iter().map(|&a| self.sides[a]).collect();
         let domain = match self.is_torus {
-            true => Domain::torus(&sides)?,
+            true => {
+                let origin = axes.iter().map(|&a| self.origin[a]).collect();
+                let rests = vec![0.0; axes.len()];
+                Domain::from_numbers(Boundary::Torus, origin, sides, rests)?
+            }
             false => {
                 let ends: Vec<_> = axes.iter().map(|&a| (self.origin[a], self.origin[a] + self.sides[a])).collect();
                 Domain::window(&ends)?

@@ -63,6 +63,9 @@ impl<'a> FirstPass<'a> {
 
     pub(super) fn domain(&self) -> Result<Domain> {
         let nothing = || Error::input("points", "the files hold no realizations");
+        if let Some(stated) = self.remarks.stated(self.request)? {
+            return Ok(stated);
+        }
         domain(self.request, self.polygon.as_ref(), self.dim.ok_or_else(nothing)?)
     }
 

@@ -8,6 +8,7 @@ mod npz;
 mod raw;
 mod readings;
 mod shared;
+mod tables;
 mod text;
 mod utk;
 mod write;

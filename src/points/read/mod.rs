@@ -3,20 +3,28 @@
 //!
 //! 1. `--raw` given: raw numbers, whatever the file looks like.
 //! 2. `\x93NUMPY`, `PK`, `UTK!` at the start: `.npy`, `.npz`, UTK `.bin`.
-//! 3. Formats of other trades, which are named and refused.
-//! 4. Bytes that are text, in UTF-8 or UTF-16: text or CSV, whatever the name.
-//! 5. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
+//! 3. Formats whose columns have names: PLY, VTK, XYZ, LAMMPS dumps, GeoJSON.
+//! 4. Formats of other trades, which are named and refused.
+//! 5. Bytes that are text, in UTF-8 or UTF-16: text or CSV, whatever the name.
+//! 6. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
 mod columns;
 mod foreign;
+mod geojson;
+mod lammps;
 mod npy;
 mod npz;
+mod ply;
 mod polygon;
 mod raw;
 mod reading;
+mod stated;
+mod table;
 mod text;
 mod utk;
+mod vtk;
+mod xyz;
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -33,6 +41,7 @@ pub use columns::{Column, Columns, MarkedPoints, Rows, Separator, TypedColumns};
 pub use polygon::read_polygon;
 pub use raw::{RawElement, RawLayout};
 pub use reading::{Apart, Input, Reading};
+pub use stated::StatedBox;
 pub(crate) use text::{has_decimal_comma, is_decimal_comma};
 
 /// What the command line says about its input files.
@@ -45,8 +54,26 @@ pub struct ReadOptions {
 }
 
 /// File names that a directory may hold besides those without an extension.
-const KNOWN_EXTENSIONS: [&str; 12] =
-    ["csv", "tsv", "txt", "dat", "xy", "xyz", "npy", "npz", "rps", "bin", "f32", "f64"];
+const KNOWN_EXTENSIONS: [&str; 18] = [
+    "csv",
+    "tsv",
+    "txt",
+    "dat",
+    "xy",
+    "xyz",
+    "npy",
+    "npz",
+    "rps",
+    "bin",
+    "f32",
+    "f64",
+    "ply",
+    "extxyz",
+    "lammpstrj",
+    "dump",
+    "vtk",
+    "geojson",
+];
 
 /// Reads every realization of every file, in order. An input is a file, a directory (its files in natural order,
 /// hidden files and subdirectories left out), a pattern with `*`, `?` or `[...]`, or `-` for standard input.
@@ -347,6 +374,9 @@ pub(crate) fn read_bytes(
         }
         return numbered(name, utk::read(name, bytes, columns)?, columns);
     }
+    if let Some(read) = tabled(name, bytes, columns) {
+        return read;
+    }
     let place = |reason: String| Error::input(name, reason);
     if let Some(reason) = foreign::named(bytes, extension) {
         return Err(place(reason));
@@ -358,6 +388,9 @@ pub(crate) fn read_bytes(
         let (decoded, damaged) = encoding.decode_with_bom_removal(bytes);
         if damaged {
             return Err(place(format!("text in {}, but damaged: some of it is no character", encoding.name())));
+        }
+        if let Some(read) = tabled(name, decoded.as_bytes(), columns) {
+            return read;
         }
         if let Some(reason) = foreign::named(decoded.as_bytes(), extension) {
             return Err(place(reason));
@@ -383,6 +416,33 @@ pub(crate) fn read_bytes(
             Err(Error::input(name, reason))
         }
     }
+}
+
+/// Every realization of bytes whose format names its columns, if they are of such a format.
+fn tabled(name: &str, bytes: &[u8], columns: &Columns) -> Option<Result<Vec<MarkedPoints>>> {
+    /// So many bytes of a text are looked at.
+    const HEAD: usize = 1 << 13;
+    if ply::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
+        return Some(ply::read(name, bytes, columns));
+    }
+    if bytes.starts_with(vtk::MAGIC) {
+        return Some(vtk::read(name, bytes, columns));
+    }
+    if !text::is_text(bytes) {
+        return None;
+    }
+    let bytes = bytes.strip_prefix(text::UTF8_MARK).unwrap_or(bytes);
+    let start = bytes.trim_ascii_start();
+    let head = &bytes[..bytes.len().min(HEAD)];
+    if start.starts_with(lammps::START) {
+        return Some(lammps::read(name, bytes, columns));
+    }
+    if start.starts_with(b"{") && geojson::is(&String::from_utf8_lossy(head)) {
+        let text = std::str::from_utf8(bytes).map_err(|_| Error::input(name, "GeoJSON that is no UTF-8"));
+        return Some(text.and_then(|text| geojson::read(name, text, columns)));
+    }
+    let lines: Vec<&[u8]> = text::Lines(head).take(3).collect();
+    xyz::is(&lines).then(|| xyz::read(name, bytes, columns))
 }
 
 fn unknown(name: &str, rows: Rows) -> Error {
@@ -439,6 +499,7 @@ fn numbered(name: &str, all: Sets, columns: &Columns) -> Result<Vec<MarkedPoints
         unused: (0..width).filter(|k| !taken.contains(k) && !marks.contain(*k)).map(called).collect(),
         apart: realization.map_or(apart, |k| Apart::Column(called(k))),
         digits,
+        stated: None,
         notes: Vec::new(),
     };
     let single = sets.len() == 1 && first.is_none();

@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use geojson::{GeoJson, GeometryValue, JsonObject, Position};
+use ::geojson::{GeoJson, GeometryValue, Position};
 use wkt::Wkt;
 use wkt::types::Coord;
 
+use super::geojson::degrees;
 use super::{Columns, ReadOptions, read_bytes};
 use crate::error::{Error, Result};
 use crate::points::Domain;
@@ -80,19 +81,10 @@ fn of_wkt(text: &str) -> Result<Vec<Vec<Ring>>, String> {
 
 fn of_geojson(text: &str) -> Result<(Vec<Vec<Ring>>, Vec<String>), String> {
     let json: GeoJson = text.parse().map_err(|e| format!("is no GeoJSON: {e}; {EXPECTED}"))?;
-    let mut notes = Vec::new();
-    let members: Option<&JsonObject>;
     let geometry = match &json {
-        GeoJson::Geometry(geometry) => {
-            members = geometry.foreign_members.as_ref();
-            Some(geometry)
-        }
-        GeoJson::Feature(feature) => {
-            members = feature.foreign_members.as_ref();
-            feature.geometry.as_ref()
-        }
+        GeoJson::Geometry(geometry) => Some(geometry),
+        GeoJson::Feature(feature) => feature.geometry.as_ref(),
         GeoJson::FeatureCollection(all) => {
-            members = all.foreign_members.as_ref();
             if all.features.len() != 1 {
                 let n = all.features.len();
                 return Err(format!(
@@ -110,15 +102,8 @@ fn of_geojson(text: &str) -> Result<(Vec<Vec<Ring>>, Vec<String>), String> {
         GeometryValue::MultiPolygon { coordinates } => coordinates.iter().map(polygon).collect::<Result<_, _>>()?,
         other => return Err(format!("is a {}; {EXPECTED}", other.type_name())),
     };
-    // The standard of 2016 knows degrees only; the one before had a member that says otherwise.
-    let fits = |limit: f64, axis: usize| parts.iter().flatten().flatten().all(|v: &[f64; 2]| v[axis].abs() <= limit);
-    if members.is_none_or(|m| !m.contains_key("crs")) && fits(180.0, 0) && fits(90.0, 1) {
-        notes.push(
-            "GeoJSON without a `crs` is by its standard in degrees of longitude and latitude; if this is, project it and the points: \
-             distances between degrees mean little"
-                .into(),
-        );
-    }
+    let every = parts.iter().flatten().flatten().map(|vertex| vertex.as_slice());
+    let notes = degrees(&json, every).map(String::from).into_iter().collect();
     Ok((parts, notes))
 }
 
