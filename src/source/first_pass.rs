@@ -151,6 +151,22 @@ impl<'a> FirstPass<'a> {
         warnings
     }
 
+    /// Whether all points of a file can be used, before any of them is.
+    pub(super) fn accepts(&self, sets: &[MarkedPoints]) -> Result<()> {
+        let Some(first) = sets.first() else { return Ok(()) };
+        let domain = match self.remarks.stated_with(first, self.request)? {
+            Some(stated) => stated,
+            None => domain(self.request, self.polygon.as_ref(), self.dim.unwrap_or(first.points.dim))?,
+        };
+        for set in sets {
+            Ensemble::check(&set.points, &domain, self.request.wrap)?;
+            if self.request.intensity_column.is_some() {
+                Seen::default().see(&set.weights, |j| set.points.place(j), "")?;
+            }
+        }
+        Ok(())
+    }
+
     /// Whether points that are not held can be used.
     pub(super) fn check(&self, sets: &[MarkedPoints]) -> Result<()> {
         let domain = self.domain()?;

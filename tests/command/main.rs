@@ -6,6 +6,7 @@ mod common;
 
 mod analyze;
 mod batches;
+mod broken_files;
 mod convention;
 mod convergence;
 mod envelope;

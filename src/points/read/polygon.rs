@@ -19,15 +19,22 @@ use crate::setting::Setting;
 /// # Errors
 /// What the file system says; what is no polygon, by its line or ring.
 pub fn read_polygon(path: &Path) -> Result<(Domain, Vec<String>)> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
+    polygon_of_bytes(path, &std::fs::read(path).map_err(|e| Error::file(path, e))?)
+}
+
+/// The same of the bytes of a file, which `path` is the name of.
+///
+/// # Errors
+/// What is no polygon, by its line or ring.
+pub fn polygon_of_bytes(path: &Path, bytes: &[u8]) -> Result<(Domain, Vec<String>)> {
     let place = path.display().to_string();
     let fail = |reason: String| Error::input(&place, reason);
-    let text = std::str::from_utf8(&bytes).ok().map(|text| text.trim_start_matches('\u{feff}').trim());
+    let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}').trim());
     let (parts, notes) = match text {
         Some("") => return Err(fail(format!("is empty; {EXPECTED}"))),
         Some(text) if text.starts_with('{') => of_geojson(text).map_err(fail)?,
         Some(text) if is_wkt(text) => (of_wkt(text).map_err(fail)?, Vec::new()),
-        _ => of_vertices(path, &bytes)?,
+        _ => of_vertices(path, bytes)?,
     };
     let domain = Domain::polygon(parts).map_err(|e| match e {
         Error::Setting { setting: Setting::WindowPolygon, value, reason } if value == "polygon" => fail(reason),

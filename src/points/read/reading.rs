@@ -60,6 +60,15 @@ pub struct Reading {
     pub notes: Vec<String>,
 }
 
+/// A file that was left out, and why.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// As it was given or found.
+    pub file: String,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
 /// What was read of all files.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Input {
@@ -75,6 +84,9 @@ pub struct Input {
     pub realizations: Vec<String>,
     /// How many points lay outside the box and were folded into it; `null` where that was not asked for.
     pub wrapped: Option<u64>,
+    /// Files that could not be used and were left out, where that was asked for.
+    #[serde(default)]
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Of this many files what is said of each is kept; of the rest, that there are more.
