@@ -55,6 +55,8 @@ settings! {
     IntensityColumn = "intensity_column",
     /// Column of classes.
     ClassColumn = "class_column",
+    /// Whether files that cannot be used are left out.
+    KeepGoing = "keep_going",
     /// Files of simulations for envelopes.
     EnvelopeFrom = "envelope_from",
     /// The intensity of an inhomogeneous process.

@@ -80,6 +80,7 @@ fn luminance(rgb: [f64; 3]) -> f64 {
 }
 
 fn png(bytes: Vec<u8>) -> Result<Picture, String> {
+    let length = bytes.len();
     let damaged = |error: png::DecodingError| format!("damaged PNG: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     // Palettes to colours, fewer bits to 8.
@@ -88,6 +89,10 @@ fn png(bytes: Vec<u8>) -> Result<Picture, String> {
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     let count = sized(width, height)?;
     let size = reader.output_buffer_size().ok_or("too large a PNG")?;
+    // What is compressed by Deflate is that much larger at most.
+    if size / 1032 > length {
+        return Err(format!("truncated PNG: {width} x {height} pixels by its header, in {length} bytes"));
+    }
     let mut buffer = vec![0; size];
     let frame = reader.next_frame(&mut buffer).map_err(damaged)?;
     let wide = frame.bit_depth == png::BitDepth::Sixteen;
@@ -140,10 +145,18 @@ fn pfm(bytes: &[u8]) -> Result<Picture, String> {
 }
 
 fn exr(bytes: Vec<u8>) -> Result<Picture, String> {
-    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+    let damaged = |error: exr::error::Error| format!("damaged EXR: {error}");
+    for header in MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(damaged)?.headers {
+        let (width, height) = (header.layer_size.0, header.layer_size.1);
+        let size = sized(width, height)?.saturating_mul(header.channels.bytes_per_pixel);
+        // More than any of its compressions makes of a picture that is none of one colour.
+        if size >> 14 > bytes.len() {
+            return Err(format!("truncated EXR: {width} x {height} pixels by its header, in {} bytes", bytes.len()));
+        }
+    }
     let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    let image =
-        read.non_parallel().from_buffered(Cursor::new(bytes)).map_err(|error| format!("damaged EXR: {error}"))?;
+    let image = read.non_parallel().from_buffered(Cursor::new(bytes)).map_err(damaged)?;
     let layer = image.layer_data;
     let (width, height) = (layer.size.0, layer.size.1);
     let count = sized(width, height)?;

@@ -1,6 +1,5 @@
 //! A table of values: constant on equal cells.
 
-use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -10,6 +9,7 @@ use super::image::MOST_CELLS;
 use super::shape::Shape;
 use super::spec::{Parameter, Takes};
 use crate::error::{Error, Result};
+use crate::points::read::array_of_bytes;
 
 pub(super) static ENTRY: Entry = Entry {
     formulas: "as of an image, in any dimension",
@@ -30,7 +30,7 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
     let wrong = |reason: String| Error::input(path.display().to_string(), reason);
     let is_npy = bytes.starts_with(b"\x93NUMPY");
     let (shape, values) = match (is_npy, given.dim) {
-        (true, dim) => npy(&bytes, dim).map_err(wrong)?,
+        (true, dim) => npy(&path.display().to_string(), &bytes, dim)?,
         (false, 1) => text(&bytes).map_err(wrong)?,
         (false, dim) => return Err(wrong(format!("this is no NPY; expected one with {dim} axes (text is for 1D)"))),
     };
@@ -45,48 +45,19 @@ fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
     Ok(Arc::new(Cells::new(shape, values)))
 }
 
-fn npy(bytes: &[u8], dim: usize) -> Result<([usize; 3], Vec<f64>), String> {
-    let damaged = |error: std::io::Error| format!("damaged NPY: {error}");
-    let file = npyz::NpyFile::new(Cursor::new(bytes)).map_err(damaged)?;
-    let given: Vec<usize> = file.shape().iter().map(|&n| n as usize).collect();
+fn npy(name: &str, bytes: &[u8], dim: usize) -> Result<([usize; 3], Vec<f64>)> {
+    let wrong = |reason: String| Error::input(name, reason);
+    let (given, values) = array_of_bytes(name, bytes)?;
     if given.len() != dim {
         let words = given.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        return Err(format!("shape ({words}); expected {dim} axes, x first"));
+        return Err(wrong(format!("shape ({words}); expected {dim} axes, x first")));
     }
-    let count = given.iter().try_fold(1usize, |n, &side| n.checked_mul(side)).filter(|&n| n <= MOST_CELLS);
-    let count = count.ok_or_else(|| format!("too many values; expected at most {MOST_CELLS}"))?;
-    let fortran = file.order() == npyz::Order::Fortran;
-    let dtype = file.dtype().descr();
-    let plain = dtype.trim_matches(['\'', '"']).trim_start_matches(['<', '>', '=', '|']).to_string();
-    macro_rules! read {
-        ($type:ty) => {{
-            let values = file.into_vec::<$type>().map_err(damaged)?;
-            values.into_iter().map(|v| v as f64).collect::<Vec<f64>>()
-        }};
+    if values.len() > MOST_CELLS {
+        return Err(wrong(format!("too many values; expected at most {MOST_CELLS}")));
     }
-    let values = match plain.as_str() {
-        "f8" => read!(f64),
-        "f4" => read!(f32),
-        "u1" => read!(u8),
-        "i1" => read!(i8),
-        "u2" => read!(u16),
-        "i2" => read!(i16),
-        "u4" => read!(u32),
-        "i4" => read!(i32),
-        "u8" => read!(u64),
-        "i8" => read!(i64),
-        _ => return Err(format!("dtype {dtype}; expected f4, f8, i1 to i8 or u1 to u8")),
-    };
     let mut shape = [1; 3];
     shape[..dim].copy_from_slice(&given);
-    if !fortran {
-        return Ok((shape, values));
-    }
-    // The first axis is the fastest in the file, the slowest here.
-    let [_, n1, n2] = shape;
-    let place = |c: usize| (c / (n1 * n2), c / n2 % n1, c % n2);
-    let from = |(i, j, k): (usize, usize, usize)| values[i + shape[0] * (j + n1 * k)];
-    Ok((shape, (0..count).map(|c| from(place(c))).collect()))
+    Ok((shape, values))
 }
 
 fn text(bytes: &[u8]) -> Result<([usize; 3], Vec<f64>), String> {

@@ -21,12 +21,21 @@ pub enum Boundary {
 
 named!(Boundary: Torus = "torus", Window = "window");
 
-/// `unit torus`, `torus of sides 2, 1`, `window [0, 10] x [0, 5]`, `polygon of 6 vertices in [0, 10] x [0, 5]`.
+/// `unit torus`, `torus of sides 2, 1`, `torus of sides 4, 4 from -2, -2`, `window [0, 10] x [0, 5]`, `polygon of 6 vertices in [0, 10] x [0, 5]`.
 impl std::fmt::Display for Domain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.boundary {
-            Boundary::Torus if self.sides.iter().all(|&s| s == 1.0) => f.write_str("unit torus"),
-            Boundary::Torus => write!(f, "torus of sides {}", numbers(self.sides.iter().copied()).replace(',', ", ")),
+            Boundary::Torus => {
+                let listed = |values: &[f64]| numbers(values.iter().copied()).replace(',', ", ");
+                match self.sides.iter().all(|&s| s == 1.0) {
+                    true => f.write_str("unit torus")?,
+                    false => write!(f, "torus of sides {}", listed(&self.sides))?,
+                }
+                match self.origin.iter().all(|&o| o == 0.0) {
+                    true => Ok(()),
+                    false => write!(f, " from {}", listed(&self.origin)),
+                }
+            }
             Boundary::Window => {
                 let range = |(&o, &s): (&f64, &f64)| format!("[{}, {}]", number(o), number(o + s));
                 let ranges: Vec<_> = self.origin.iter().zip(&self.sides).map(range).collect();
@@ -74,6 +83,16 @@ impl Domain {
     pub fn torus(sides: &[f64]) -> Result<Self> {
         let zeros = vec![0.0; sides.len()];
         Self::checked(Boundary::Torus, zeros.clone(), sides.to_vec(), zeros, Setting::Sides, "L1,L2[,L3]")
+    }
+
+    /// A torus `[low, high)` per axis.
+    ///
+    /// # Errors
+    /// As `torus`.
+    pub fn torus_at(ranges: &[(f64, f64)]) -> Result<Self> {
+        let (origin, sides) = ranges.iter().map(|&(low, high)| (low, high - low)).unzip();
+        let rests = vec![0.0; ranges.len()];
+        Self::checked(Boundary::Torus, origin, sides, rests, Setting::Sides, "L1,L2[,L3]")
     }
 
     /// A window given as `(low, high)` per axis.

@@ -1,12 +1,9 @@
 //! P as it is known without points: of a sampler in closed form, or of a result that lies in a directory.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
-use npyz::NpyFile;
-
 use crate::error::{Error, Result};
+use crate::points::read::array_of_bytes;
 use crate::report::Stored;
 use crate::samplers::{ParameterValues, Process, find_with_parameters};
 use crate::setting::Setting;
@@ -245,18 +242,17 @@ impl Spectrum {
 
 /// The largest frequencies and the values of `spectrum.npy`.
 fn read_grid(path: &Path, dim: usize) -> Result<(Vec<usize>, Vec<f64>)> {
-    let broken = |error: std::io::Error| Error::file(path, error);
-    let file = NpyFile::new(BufReader::new(File::open(path).map_err(broken)?)).map_err(broken)?;
-    let shape = file.shape().to_vec();
-    if shape.len() != dim || shape.iter().any(|side| side % 2 == 0) || file.order() != npyz::Order::C {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+    let (shape, values) = array_of_bytes(&name, &bytes)?;
+    if shape.len() != dim || shape.iter().any(|side| side % 2 == 0) {
         let reason = format!("has shape {shape:?}; expected {dim} odd sides, 2 F + 1 each");
-        return Err(Error::input(path.display().to_string(), reason));
+        return Err(Error::input(name, reason));
     }
-    let values = file.into_vec::<f64>().map_err(|e| Error::input(path.display().to_string(), e.to_string()))?;
     if let Some(bad) = values.iter().find(|p| !p.is_finite() || **p < 0.0) {
-        return Err(Error::input(path.display().to_string(), format!("holds {bad}; expected P of at least 0")));
+        return Err(Error::input(name, format!("holds {bad}; expected P of at least 0")));
     }
-    Ok((shape.iter().map(|side| (side / 2) as usize).collect(), values))
+    Ok((shape.iter().map(|side| side / 2).collect(), values))
 }
 
 #[cfg(test)]

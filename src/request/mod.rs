@@ -145,6 +145,13 @@ pub struct PointsRequest {
     #[cfg_attr(feature = "cli", arg(long, value_name = "COLUMN"))]
     pub class_column: Option<String>,
 
+    /// Leave out files that cannot be used
+    ///
+    /// Leave out files that cannot be read or used, and say which and why, in place of ending with the first; the realizations
+    /// are numbered without them.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub keep_going: bool,
+
     /// Files of simulated points, for envelopes; may be repeated
     ///
     /// Files, directories or quoted patterns of simulated points, for pointwise and global envelopes, read as the points are;

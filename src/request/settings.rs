@@ -116,7 +116,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 62] = [
+pub static SETTINGS: [Row; 63] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -134,6 +134,7 @@ pub static SETTINGS: [Row; 62] = [
     row!(IntensityColumn, "--intensity-column", input.intensity_column, Points,
         conflicts: &[Setting::Sampler, Setting::WeightColumn], statistics: INHOMOGENEOUS, refused: Some("has no weights of points")),
     row!(ClassColumn, "--class-column", input.class_column, Points, conflicts: &[Setting::Sampler], statistics: OF_CLASSES),
+    row!(KeepGoing, "--keep-going", input.keep_going, Points, conflicts: &[Setting::Sampler]),
     row!(EnvelopeFrom, "--envelope-from", input.envelope_from, Points, conflicts: &[Setting::Envelope],
         statistics: OF_CLASSES),
     row!(Inhomogeneous, "--inhomogeneous", input.inhomogeneous, Statistics,
@@ -141,8 +142,8 @@ pub static SETTINGS: [Row; 62] = [
         refused: Some("has no weights of points")),
     row!(IntensityBandwidth, "--intensity-bandwidth", input.intensity_bandwidth, Statistics, statistics: &[Intensity],
         default: Some("scott")),
-    row!(Domain, "--domain", input.domain, Domain, otherwise: "torus; window with `window`"),
-    row!(Sides, "--box", input.sides, Domain, usual: true, otherwise: "1 each"),
+    row!(Domain, "--domain", input.domain, Domain, otherwise: "as the file states, else torus; window with `window`"),
+    row!(Sides, "--box", input.sides, Domain, usual: true, otherwise: "as the file states, else 1 each"),
     row!(Window, "--window", input.window, Domain, usual: true, conflicts: &[Setting::Sides, Setting::Sampler]),
     row!(WindowPolygon, "--window-polygon", input.window_polygon, Domain,
         conflicts: &[Setting::Sides, Setting::Sampler, Setting::Window]),

@@ -10,7 +10,7 @@ use super::{Points, columns};
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
 use crate::memory::Memory;
-use crate::points::read::{Input, ReadOptions, each_piece, folders_left_out};
+use crate::points::read::{Found, Input, OnBroken, ReadOptions, each_piece, folders_left_out};
 use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
 use crate::samplers::{Number, Process, find};
@@ -104,8 +104,21 @@ impl AllAxes {
         let options = ReadOptions { dim, raw: request.raw };
         let (mut sets, mut numbers, mut seen) = (Vec::new(), 0.0, Remarks::default());
         folders_left_out(&request.files).iter().for_each(|note| seen.note(note));
-        each_piece(&request.files, &options, &columns, |_, file, piece| {
+        let on_broken = if request.keep_going { OnBroken::LeaveOut { like: None } } else { OnBroken::Stop };
+        each_piece(&request.files, &options, &columns, on_broken, |found| {
             control.check()?;
+            let (file, piece) = match found {
+                Found::Asked(piece) => {
+                    let Some(first) = piece.first() else { return Ok(()) };
+                    let place = place_of(seen.stated_with(first, request)?, request, first.points.dim)?;
+                    return piece.iter().try_for_each(|set| check(&set.points, &place, request.wrap));
+                }
+                Found::Broken(broken) => {
+                    seen.leave_out(broken);
+                    return Ok(());
+                }
+                Found::Piece(file, piece) => (file, piece),
+            };
             seen.input.files += u64::from(file.is_some());
             for set in piece {
                 seen.read(&set.reading, &set.points.source);
@@ -114,12 +127,15 @@ impl AllAxes {
             }
             check_memory(memory, numbers)
         })?;
+        seen.check_any()?;
         let dim = sets.first().map_or(0, |set: &RawPoints| set.dim);
-        let (origin, sides, is_torus) = place(request, dim)?;
+        let place = place_of(seen.stated(request)?, request, dim)?;
+        sets.iter().try_for_each(|set| check(set, &place, request.wrap))?;
+        let (origin, sides, is_torus) = place;
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let more = if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() };
         let warnings = seen.all();
-        let all = Self {
+        Ok(Self {
             subject: format!("{}{more}", names.first().map_or("", String::as_str)),
             sets: Arc::new(sets),
             dim,
@@ -130,30 +146,7 @@ impl AllAxes {
             input: Some(seen.input),
             warnings,
             is_sequence: None,
-        };
-        all.sets.iter().try_for_each(|set| all.check(set))?;
-        Ok(all)
-    }
-
-    /// Whether all points are inside.
-    fn check(&self, set: &RawPoints) -> Result<()> {
-        for (j, point) in set.coordinates.chunks_exact(self.dim).enumerate() {
-            for (a, x) in point.iter().enumerate() {
-                let (low, high) = (self.origin[a], self.origin[a] + self.sides[a]);
-                let inside = if self.is_torus { (low..high).contains(x) } else { (low..=high).contains(x) };
-                let folded = self.wrap && self.is_torus && x.is_finite();
-                if !inside && !folded {
-                    let end = if self.is_torus { ")" } else { "]" };
-                    let reason = format!(
-                        "coordinate {} = {} is outside [{low}, {high}{end}; `sides` sets the sides of a torus, `window` a window, `wrap` folds points in",
-                        a + 1,
-                        number(*x)
-                    );
-                    return Err(Error::input(set.place(j), reason));
-                }
-            }
-        }
-        Ok(())
+        })
     }
 
     /// What this is, in words.
@@ -239,7 +232,11 @@ impl AllAxes {
     pub fn view(&self, axes: &[usize], first: Option<u64>) -> Result<Points> {
         let sides: Vec<f64> = axes.iter().map(|&a| self.sides[a]).collect();
         let domain = match self.is_torus {
-            true => Domain::torus(&sides)?,
+            true => {
+                let origin = axes.iter().map(|&a| self.origin[a]).collect();
+                let rests = vec![0.0; axes.len()];
+                Domain::from_numbers(Boundary::Torus, origin, sides, rests)?
+            }
             false => {
                 let ends: Vec<_> = axes.iter().map(|&a| (self.origin[a], self.origin[a] + self.sides[a])).collect();
                 Domain::window(&ends)?
@@ -265,8 +262,40 @@ impl AllAxes {
     }
 }
 
-/// Origin, sides, and whether they wrap, of points with `dim` coordinates.
-fn place(request: &PointsRequest, dim: usize) -> Result<(Vec<f64>, Vec<f64>, bool)> {
+/// Whether all points are inside.
+fn check(set: &RawPoints, (origin, sides, is_torus): &Place, wrap: bool) -> Result<()> {
+    for (j, point) in set.coordinates.chunks_exact(set.dim).enumerate() {
+        for (a, x) in point.iter().enumerate() {
+            let (low, high) = (origin[a], origin[a] + sides[a]);
+            let inside = if *is_torus { (low..high).contains(x) } else { (low..=high).contains(x) };
+            let folded = wrap && *is_torus && x.is_finite();
+            if !inside && !folded {
+                let end = if *is_torus { ")" } else { "]" };
+                let reason = format!(
+                    "coordinate {} = {} is outside [{low}, {high}{end}; `sides` sets the sides of a torus, `window` a window, `wrap` folds points in",
+                    a + 1,
+                    number(*x)
+                );
+                return Err(Error::input(set.place(j), reason));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Origin, sides, and whether they wrap.
+type Place = (Vec<f64>, Vec<f64>, bool);
+
+/// That of a domain that files state, or of the request.
+fn place_of(stated: Option<Domain>, request: &PointsRequest, dim: usize) -> Result<Place> {
+    match stated {
+        Some(stated) => Ok((stated.origin().to_vec(), stated.sides().to_vec(), stated.is_torus())),
+        None => place(request, dim),
+    }
+}
+
+/// That of points with `dim` coordinates.
+fn place(request: &PointsRequest, dim: usize) -> Result<Place> {
     let wrong = |setting, value: &[f64], expected: usize, what: &str| {
         let reason = format!("expected {expected} {what} for points with {dim} coordinates");
         Err(Error::setting(setting, numbers(value.iter().copied()), reason))

@@ -66,6 +66,9 @@ impl<'a> FirstPass<'a> {
 
     pub(super) fn domain(&self) -> Result<Domain> {
         let nothing = || Error::input("points", "the files hold no realizations");
+        if let Some(stated) = self.remarks.stated(self.request)? {
+            return Ok(stated);
+        }
         domain(self.request, self.polygon.as_ref(), self.dim.ok_or_else(nothing)?)
     }
 
@@ -150,6 +153,22 @@ impl<'a> FirstPass<'a> {
         let mean = points as f64 / self.sizes.len().max(1) as f64;
         warnings.extend(self.extent.coarse(domain, mean));
         warnings
+    }
+
+    /// Whether all points of a file can be used, before any of them is.
+    pub(super) fn accepts(&self, sets: &[MarkedPoints]) -> Result<()> {
+        let Some(first) = sets.first() else { return Ok(()) };
+        let domain = match self.remarks.stated_with(first, self.request)? {
+            Some(stated) => stated,
+            None => domain(self.request, self.polygon.as_ref(), self.dim.unwrap_or(first.points.dim))?,
+        };
+        for set in sets {
+            Ensemble::check(&set.points, &domain, self.request.wrap)?;
+            if self.request.intensity_column.is_some() {
+                Seen::default().see(&set.weights, |j| set.points.place(j), "")?;
+            }
+        }
+        Ok(())
     }
 
     /// Whether points that are not held can be used.

@@ -27,8 +27,8 @@ use crate::error::{Error, Result, number, numbers};
 use crate::estimate::Inhomogeneity;
 use crate::plan::MEMORY_BUDGET;
 use crate::points::read::{
-    Columns, Input, MarkedPoints, PointFile, ReadOptions, TypedColumns, each_piece, extension, folders_left_out,
-    read_bytes,
+    Columns, Found, Input, MarkedPoints, OnBroken, PointFile, ReadOptions, TypedColumns, each_piece, extension,
+    folders_left_out, is_stdin, read_bytes,
 };
 use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints, counts_in_pairs};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
@@ -155,14 +155,40 @@ impl Points {
     }
 
     fn files_with(request: &PointsRequest, budget: u64, control: &Control) -> Result<Self> {
+        match Self::files_like(None, request, budget, control)? {
+            Ok(points) => Ok(points),
+            // What the first file has is not what most have.
+            Err(like) => Self::files_like(Some(like), request, budget, control)?
+                .map_err(|_| Error::input("points", "the files changed while they were read")),
+        }
+    }
+
+    /// The same where points are like some, or the first, of several coordinates. `Err` has points like those of most files, where files
+    /// that cannot be used are left out and the first is one of few.
+    fn files_like(
+        like: Option<RawPoints>,
+        request: &PointsRequest,
+        budget: u64,
+        control: &Control,
+    ) -> Result<Result<Self, RawPoints>> {
         let columns = columns(request, false)?;
         let options = ReadOptions { dim: dim_of_flags(request), raw: request.raw };
         let mut pass = FirstPass::new(request)?;
         folders_left_out(&request.files).iter().for_each(|note| pass.remarks.note(note));
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
         let (mut files, mut first) = (Vec::new(), 0);
-        each_piece(&request.files, &options, &columns, |_, file, piece| {
+        let may_restart = like.is_none() && !request.files.iter().any(|file| is_stdin(file));
+        let on_broken = if request.keep_going { OnBroken::LeaveOut { like } } else { OnBroken::Stop };
+        each_piece(&request.files, &options, &columns, on_broken, |found| {
             control.check()?;
+            let (file, piece) = match found {
+                Found::Asked(piece) => return pass.accepts(piece),
+                Found::Broken(broken) => {
+                    pass.remarks.leave_out(broken);
+                    return Ok(());
+                }
+                Found::Piece(file, piece) => (file, piece),
+            };
             pass.see(&piece)?;
             let numbers =
                 |set: &MarkedPoints| set.points.coordinates.len() + set.weights.len() + set.points.lines.len();
@@ -185,13 +211,17 @@ impl Points {
             }
             Ok(())
         })?;
+        if let Some(most) = pass.remarks.most().filter(|_| may_restart) {
+            return Ok(Err(most));
+        }
+        pass.remarks.check_any()?;
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let subject = match names.as_slice() {
             [one] => one.clone(),
             [one, ..] => format!("{one} and {} more", names.len() - 1),
             [] => String::new(),
         };
-        pass.finish(subject, held, |marks| Files { files, options, columns, marks, last: Mutex::default() })
+        pass.finish(subject, held, |marks| Files { files, options, columns, marks, last: Mutex::default() }).map(Ok)
     }
 
     /// Points in the bytes of a file, which `name` is the name of: its end tells apart what the bytes do not.

@@ -205,3 +205,62 @@ fn what_was_read_of_frequencies_is_said() {
     let plan = scratch.ok("analyze a.csv --stats spectrum --frequencies m.csv --device cpu --explain");
     assert_eq!(plan.matches("frequencies m.csv: text").count(), 1, "{plan}");
 }
+
+/// A box that a file states is the domain, from its lower corner on, unless another is given.
+#[test]
+fn boxes_of_files_are_domains() {
+    let scratch = Scratch::new();
+    let points = |k: u32| (0..30u32).map(move |j| [j * 37 % 64, (j * j + k) * 11 % 64].map(|i| f64::from(i) / 16.0));
+    let dump = |flags: &str| {
+        let step = |k| {
+            let rows: String = points(k).map(|[x, y]| format!("1 {} {} 0\n", x - 1.5, y + 2.0)).collect();
+            format!(
+                "ITEM: TIMESTEP\n{k}\nITEM: NUMBER OF ATOMS\n30\nITEM: BOX BOUNDS {flags}\n-1.5 2.5\n2 6\n-1 1\nITEM: ATOMS id x y z\n{rows}"
+            )
+        };
+        (0..20).map(step).collect::<String>()
+    };
+    scratch.file("a.dump", &dump("pp pp pp"));
+    scratch.file("walls.dump", &dump("ff sm pp"));
+    let shifted = (0..20).map(|k| points(k).map(|[x, y]| format!("{x} {y}\n")).collect::<String>());
+    scratch.file("a.txt", &shifted.collect::<Vec<_>>().join("#\n"));
+    let tables = |arguments: &str| {
+        scratch.ok(&format!("analyze {arguments} --stats pcf,spectrum,neighbors --device cpu --out o --force"));
+        ["pcf.csv", "spectrum_radial.csv"].map(|name| std::fs::read_to_string(scratch.path("o").join(name)).unwrap())
+    };
+    let torus = tables("a.dump --columns x,y");
+    assert_eq!(summary(&scratch.path("o"))["domain"]["origin"], serde_json::json!([-1.5, 2.0]));
+    assert_eq!(torus, tables("a.txt --box 4,4"));
+    let window = tables("walls.dump --columns x,y");
+    assert_eq!(window, tables("a.txt --window 0,4,0,4"));
+    assert_eq!(window, tables("a.dump --columns x,y --domain window"));
+    assert_eq!(torus, tables("walls.dump --columns x,y --domain torus"));
+    assert_ne!(window, torus);
+    assert_ne!(torus, tables("a.dump --columns x,y --window -1.5,2.5,2,6"));
+    // Sums know where the torus begins.
+    scratch.ok("analyze a.dump --columns x,y --shard 1/2 --device cpu --out parts/1");
+    scratch.ok("analyze a.dump --columns x,y --shard 2/2 --device cpu --out parts/2");
+    scratch.ok("merge parts/1 parts/2 --out merged");
+    assert_eq!(summary(&scratch.path("merged"))["domain"]["origin"], serde_json::json!([-1.5, 2.0]));
+    for (arguments, said) in [
+        (
+            "walls.dump",
+            "walls.dump: its box [-1.5, 2.5) x [2, 6) x [-1, 1) is periodic along some axes and not along others",
+        ),
+        ("a.dump a.xyz --columns x,y", "a.xyz: its box is not that of a.dump; --box or --window sets one for all"),
+        (
+            "tilted.xyz",
+            "tilted.xyz: Lattice \"4 1 0 0 4 0 0 0 1\" is not orthogonal: y of vector 1 is 1; --window gives",
+        ),
+    ] {
+        scratch.file("a.xyz", "1\nLattice=\"4 0 0 0 4 0 0 0 1\" Properties=pos:R:2\n1 2\n");
+        scratch.file("tilted.xyz", "1\nLattice=\"4 1 0 0 4 0 0 0 1\" Properties=pos:R:2\n1 2\n");
+        scratch.fails(&format!("analyze {arguments} --device cpu"), 1, said);
+    }
+    let flat = scratch.run("analyze a.dump --device cpu --stats neighbors");
+    assert!(
+        String::from_utf8(flat.stderr)
+            .unwrap()
+            .contains("every z is 0, and the points are measured in 3D all the same; --columns x,y leaves z out")
+    );
+}

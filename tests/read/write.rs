@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::shared::NO_OPTIONS;
 
 use pairwave::points::RawPoints;
-use pairwave::points::read::{ReadOptions, read_all};
+use pairwave::points::read::{Columns, ReadOptions, TypedColumns, read_all, read_marked};
 use pairwave::points::write::write;
 use tempfile::TempDir;
 
@@ -52,6 +52,23 @@ fn written_points_read_back_bit_for_bit() {
                 assert_eq!(bits(&back), bits(sets), "{}", path.display());
             }
         }
+    }
+    // Formats of space have all three coordinates.
+    let options = ReadOptions { dim: Some(3), raw: None };
+    let empty = RawPoints { dim: 3, coordinates: vec![], source: "e".into(), lines: vec![] };
+    for (name, sets) in [("a.ply", &[hard(20, 3, 1)][..]), ("a.xyz", &[hard(20, 3, 1), empty, hard(7, 3, 2)][..])] {
+        let path = folder.path().join(name);
+        write_all(&path, sets).unwrap();
+        assert_eq!(bits(&read_all(&[path], &options).unwrap()), bits(sets), "{name}");
+    }
+    for name in ["flat.ply", "flat.xyz"] {
+        let (path, flat) = (folder.path().join(name), hard(20, 2, 1));
+        write_all(&path, std::slice::from_ref(&flat)).unwrap();
+        let back = read_all(std::slice::from_ref(&path), &options).unwrap();
+        assert!(back[0].coordinates.iter().skip(2).step_by(3).all(|&z| z == 0.0), "{name}");
+        let columns = TypedColumns { columns: Some("x,y"), ..TypedColumns::default() };
+        let back = read_marked(&[path], &NO_OPTIONS, &Columns::new(&columns).unwrap()).unwrap();
+        assert_eq!(bits(&[back[0].points.clone()]), bits(&[flat]), "{name}");
     }
     let same = [hard(5, 2, 1), hard(5, 2, 1)];
     let path = folder.path().join("same.bin");
@@ -124,6 +141,7 @@ fn what_cannot_be_written_leaves_nothing_behind() {
         ("a.npy", &pair, format!("out a.npy: {unequal}")),
         ("a.bin", &pair, format!("out a.bin: {unequal}")),
         ("a.rps", &pair, format!("out a.rps: {single}")),
+        ("a.ply", &pair, format!("out a.ply: {single}")),
         ("a.f64", &pair, format!("out a.f64: {single}")),
         (
             "a.rps",
@@ -146,12 +164,14 @@ fn what_cannot_be_written_leaves_nothing_behind() {
         (
             "a.doc",
             &pair,
-            "out a.doc: expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64".into(),
+            "out a.doc: expected a file name that ends in .csv, .txt, .npy, .npz, .ply, .xyz, .rps, .bin, .f32 or .f64"
+                .into(),
         ),
         (
             "a",
             &pair,
-            "out a: expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64".into(),
+            "out a: expected a file name that ends in .csv, .txt, .npy, .npz, .ply, .xyz, .rps, .bin, .f32 or .f64"
+                .into(),
         ),
     ];
     for (name, sets, message) in table {

@@ -18,7 +18,7 @@ const PICTURE: &str = "find the points in it first, and write their coordinates 
 const UNPACK: &str = "unpack it first";
 
 /// What files begin with.
-const MAGICS: [(&[u8], Named); 58] = [
+const MAGICS: [(&[u8], Named); 55] = [
     (b"\x89HDF\r\n\x1a\n", ("HDF5", "save the dataset with h5py and numpy as .npy, shape (n, d)")),
     (b"\x0e\x03\x13\x01", ("HDF4", NUMPY)),
     (b"MATLAB 7.3 MAT-file", ("a MATLAB .mat file", "save the matrix as CSV (writematrix)")),
@@ -35,10 +35,7 @@ const MAGICS: [(&[u8], Named); 58] = [
     (b"ORC", ("ORC", PANDAS)),
     (b"Obj\x01", ("Avro", PANDAS)),
     (b"LASF", ("LAS or LAZ", "write text x y z with PDAL or las2txt")),
-    (b"ply\n", ("PLY", CLOUD)),
-    (b"ply\r", ("PLY", CLOUD)),
     (b"# .PCD", ("PCD", CLOUD)),
-    (b"# vtk DataFile", ("VTK", "save the points as CSV with ParaView")),
     (b"ASTM-E57", ("E57", CLOUD)),
     (b"glTF", ("glTF", CLOUD)),
     (
@@ -161,21 +158,17 @@ fn text(bytes: &[u8]) -> Option<Named> {
     let first = *lines.first()?;
     let starts = |word: &str| first.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
     let any = |word: &str| lines.iter().any(|line| line.starts_with(word));
-    if first.starts_with("ITEM:") {
-        return Some(("a LAMMPS dump", OVITO));
-    }
     if starts("<") {
         return Some(markup(&head));
     }
     if first.starts_with('{') || first.starts_with('[') {
-        let geo = ["\"Feature", "\"coordinates\"", "\"Topology\""].iter().any(|word| head.contains(word));
         // A header may begin with a bracket; an array of numbers closes none before the next opens.
         let json = first.starts_with('{')
             || first[1..].trim_start().starts_with(['[', '{', '"', '-'])
             || lines.len() == 1
             || first == "["
             || first[1..].trim_start().starts_with(|c: char| c.is_ascii_digit());
-        return json.then_some(if geo { ("GeoJSON", GIS) } else { ("JSON", PANDAS) });
+        return json.then_some(if head.contains("\"Topology\"") { ("TopoJSON", GIS) } else { ("JSON", PANDAS) });
     }
     if let Some(found) = molecules(&lines, &all) {
         return Some(found);
@@ -268,17 +261,7 @@ fn molecules(lines: &[&str], all: &[String]) -> Option<Named> {
     }
     let second = all.get(1).map_or("", String::as_str);
     let third = all.get(2).map(|line| fields(line)).unwrap_or_default();
-    let begins_with_word = |row: &[String]| row.len() >= 4 && !number(&row[0]) && row[1..4].iter().all(number);
-    if all.first().is_some_and(|line| whole(line)) && begins_with_word(&third) {
-        return Some(("XYZ (count, comment, elements)", OVITO));
-    }
     let numbered = third.len() >= 4 && third[..4].iter().all(number);
-    if all.first().is_some_and(|line| whole(line))
-        && numbered
-        && (second.trim().is_empty() || second.contains("Properties="))
-    {
-        return Some(("XYZ (count, comment, elements)", OVITO));
-    }
     let residue = all.get(2).and_then(|line| line.trim_start().split_once(|c: char| !c.is_ascii_digit()));
     if whole(second) && third.len() >= 5 && !numbered && residue.is_some_and(|(count, _)| !count.is_empty()) {
         return Some(("GRO", ATOMS));

@@ -3,20 +3,28 @@
 //!
 //! 1. `--raw` given: raw numbers, whatever the file looks like.
 //! 2. `\x93NUMPY`, `PK`, `UTK!` at the start: `.npy`, `.npz`, UTK `.bin`.
-//! 3. Formats of other trades, which are named and refused.
-//! 4. Bytes that are text, in UTF-8 or UTF-16: text or CSV, whatever the name.
-//! 5. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
+//! 3. Formats whose columns have names: PLY, VTK, XYZ, LAMMPS dumps, GeoJSON.
+//! 4. Formats of other trades, which are named and refused.
+//! 5. Bytes that are text, in UTF-8 or UTF-16: text or CSV, whatever the name.
+//! 6. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
 mod columns;
 mod foreign;
+mod geojson;
+mod lammps;
 mod npy;
 mod npz;
+mod ply;
 mod polygon;
 mod raw;
 mod reading;
+mod stated;
+mod table;
 mod text;
 mod utk;
+mod vtk;
+mod xyz;
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -30,9 +38,11 @@ use crate::setting::Setting;
 
 use columns::Marks;
 pub use columns::{Column, Columns, MarkedPoints, Rows, Separator, TypedColumns};
-pub use polygon::read_polygon;
+pub(crate) use npy::array_of_bytes;
+pub use polygon::{polygon_of_bytes, read_polygon};
 pub use raw::{RawElement, RawLayout};
-pub use reading::{Apart, Input, Reading};
+pub use reading::{Apart, Input, LeftOut, Reading};
+pub use stated::StatedBox;
 pub(crate) use text::{has_decimal_comma, is_decimal_comma};
 
 /// What the command line says about its input files.
@@ -45,8 +55,26 @@ pub struct ReadOptions {
 }
 
 /// File names that a directory may hold besides those without an extension.
-const KNOWN_EXTENSIONS: [&str; 12] =
-    ["csv", "tsv", "txt", "dat", "xy", "xyz", "npy", "npz", "rps", "bin", "f32", "f64"];
+const KNOWN_EXTENSIONS: [&str; 18] = [
+    "csv",
+    "tsv",
+    "txt",
+    "dat",
+    "xy",
+    "xyz",
+    "npy",
+    "npz",
+    "rps",
+    "bin",
+    "f32",
+    "f64",
+    "ply",
+    "extxyz",
+    "lammpstrj",
+    "dump",
+    "vtk",
+    "geojson",
+];
 
 /// Reads every realization of every file, in order. An input is a file, a directory (its files in natural order,
 /// hidden files and subdirectories left out), a pattern with `*`, `?` or `[...]`, or `-` for standard input.
@@ -64,8 +92,10 @@ pub fn read_all(inputs: &[PathBuf], options: &ReadOptions) -> Result<Vec<RawPoin
 /// As `read_all`.
 pub fn read_marked(inputs: &[PathBuf], options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
     let mut batch = Vec::new();
-    each_piece(inputs, options, columns, |_, _, piece| {
-        batch.extend(piece);
+    each_piece(inputs, options, columns, OnBroken::Stop, |found| {
+        if let Found::Piece(_, piece) = found {
+            batch.extend(piece);
+        }
         Ok(())
     })?;
     Ok(batch)
@@ -93,6 +123,15 @@ impl PointFile {
         !matches!(self, Self::Whole(path) if is_stdin(path))
     }
 
+    /// The ranges of realizations that fit into memory; of a file that is read at once, one.
+    fn ranges(&self) -> impl Iterator<Item = std::ops::Range<u64>> + use<> {
+        let (all, at_once) = match self {
+            Self::Whole(_) => (1, 1),
+            Self::Rows(rows) => (rows.realizations(), (PIECE / (8 * rows.numbers()).max(1)).max(1)),
+        };
+        (0..all.div_ceil(at_once)).map(move |k| k * at_once..((k + 1) * at_once).min(all))
+    }
+
     /// The realizations of a range, counted within the file; all of them where it is read at once.
     pub(crate) fn read(
         &self,
@@ -107,13 +146,44 @@ impl PointFile {
     }
 }
 
-/// Hands every realization of every file to `each`, in order and in pieces that fit into memory: with the number of the file,
-/// and the file with its last piece.
+/// What is found while files are read.
+pub(crate) enum Found<'a> {
+    /// All realizations of a file that may be left out, before the first is handed over: whether they can be used.
+    Asked(&'a [MarkedPoints]),
+    /// Realizations, and their file with the last of them.
+    Piece(Option<PointFile>, Vec<MarkedPoints>),
+    /// A file that is left out.
+    Broken(Broken),
+}
+
+/// A file that cannot be used.
+pub(crate) struct Broken {
+    pub(crate) file: PathBuf,
+    pub(crate) error: Error,
+    /// Points like its own, without any, where it is another number of coordinates that is wrong.
+    pub(crate) like: Option<RawPoints>,
+}
+
+/// What is done about files that cannot be used.
+pub(crate) enum OnBroken {
+    /// The first is an error.
+    Stop,
+    /// They are left out; points are like these, or like the first that are there.
+    LeaveOut { like: Option<RawPoints> },
+}
+
+/// Whether it is the content of a file that is wrong, or the file itself.
+fn is_of_a_file(error: &Error) -> bool {
+    matches!(error, Error::Input { .. } | Error::File { .. })
+}
+
+/// Hands every realization of every file to `each`, in order and in pieces that fit into memory.
 pub(crate) fn each_piece(
     inputs: &[PathBuf],
     options: &ReadOptions,
     columns: &Columns,
-    mut each: impl FnMut(usize, Option<PointFile>, Vec<MarkedPoints>) -> Result<()>,
+    on_broken: OnBroken,
+    mut each: impl FnMut(Found<'_>) -> Result<()>,
 ) -> Result<()> {
     let form = "expected files, a directory, a pattern such as 'set_*.npy', or - for standard input";
     if inputs.is_empty() {
@@ -122,17 +192,24 @@ pub(crate) fn each_piece(
     if inputs.iter().filter(|p| is_stdin(p)).count() > 1 {
         return Err(Error::setting(Setting::Files, "- -", "standard input can be read only once"));
     }
-    let (mut number, mut first) = (0, None);
-    let mut check = |piece: &[MarkedPoints]| {
-        for set in piece {
-            check_dim(&set.points, first.as_ref(), options)?;
-            first.get_or_insert_with(|| RawPoints { coordinates: Vec::new(), lines: Vec::new(), ..set.points.clone() });
-        }
-        Ok(())
+    let (keep_going, mut first) = match on_broken {
+        OnBroken::Stop => (false, None),
+        OnBroken::LeaveOut { like } => (true, like),
     };
     let mut known = HashMap::new();
     for input in inputs {
-        for path in expand(input, options)? {
+        let listed = match expand(input, options) {
+            Err(error) if keep_going && is_of_a_file(&error) => vec![(input.clone(), Err(error))],
+            listed => listed?,
+        };
+        if !keep_going && let Some(at) = listed.iter().position(|(_, whether)| whether.is_err()) {
+            return listed.into_iter().nth(at).map_or(Ok(()), |(_, whether)| whether);
+        }
+        for (path, whether) in listed {
+            if let Err(error) = whether {
+                each(Found::Broken(Broken { file: path, error, like: None }))?;
+                continue;
+            }
             if let Ok(place) = fs::canonicalize(&path)
                 && let Some(before) = known.insert(place, path.clone())
             {
@@ -140,27 +217,76 @@ pub(crate) fn each_piece(
                 let reason = format!("is given twice{as_what}: its realizations would count twice; give it once");
                 return Err(Error::input(path.display().to_string(), reason));
             }
-            let file = PointFile::open(path, options, columns);
-            let (all, at_once) = match &file {
-                PointFile::Whole(_) => (1, 1),
-                PointFile::Rows(rows) => (rows.realizations(), (PIECE / (8 * rows.numbers()).max(1)).max(1)),
-            };
-            let mut file = Some(file);
-            let mut start = 0;
-            while start < all {
-                let end = (start + at_once).min(all);
-                let Some(piece) = file.as_ref().map(|file| file.read(start..end, options, columns)) else { break };
-                let piece = piece?;
-                check(&piece)?;
-                // Handed over with the last piece: until then it is read from here.
-                let done = if end == all { file.take() } else { None };
-                each(number, done, piece)?;
-                start = end;
+            let file = PointFile::open(path.clone(), options, columns);
+            let mut ready = None;
+            if keep_going {
+                match usable(&file, options, columns, first.as_ref(), &mut each) {
+                    Ok(Usable::Yes(piece)) => ready = piece,
+                    Ok(Usable::No(error, like)) => {
+                        each(Found::Broken(Broken { file: path, error, like }))?;
+                        continue;
+                    }
+                    Err(error) => return Err(error),
+                }
             }
-            number += 1;
+            let mut ranges = file.ranges().peekable();
+            let mut file = Some(file);
+            while let Some(range) = ranges.next() {
+                let piece = match (ready.take(), &file) {
+                    (Some(piece), _) => piece,
+                    (None, Some(file)) => file.read(range, options, columns)?,
+                    (None, None) => break,
+                };
+                for set in &piece {
+                    check_dim(&set.points, first.as_ref(), options)?;
+                    first.get_or_insert_with(|| without_points(&set.points));
+                }
+                // Handed over with the last piece: until then it is read from here.
+                let done = if ranges.peek().is_none() { file.take() } else { None };
+                each(Found::Piece(done, piece))?;
+            }
         }
     }
     Ok(())
+}
+
+fn without_points(set: &RawPoints) -> RawPoints {
+    RawPoints { dim: set.dim, coordinates: Vec::new(), source: set.source.clone(), lines: Vec::new() }
+}
+
+/// Whether all of a file can be used.
+enum Usable {
+    /// It can; what was read, if it is read at once.
+    Yes(Option<Vec<MarkedPoints>>),
+    /// Why not, and points like its own if it is their coordinates.
+    No(Error, Option<RawPoints>),
+}
+
+fn usable(
+    file: &PointFile,
+    options: &ReadOptions,
+    columns: &Columns,
+    first: Option<&RawPoints>,
+    each: &mut impl FnMut(Found<'_>) -> Result<()>,
+) -> Result<Usable> {
+    let no = |error, like| if is_of_a_file(&error) { Ok(Usable::No(error, like)) } else { Err(error) };
+    let mut last = None;
+    for range in file.ranges() {
+        let piece = match file.read(range, options, columns) {
+            Ok(piece) => piece,
+            Err(error) => return no(error, None),
+        };
+        for set in &piece {
+            if let Err(error) = check_dim(&set.points, first, options) {
+                return no(error, Some(without_points(&set.points)));
+            }
+        }
+        if let Err(error) = each(Found::Asked(&piece)) {
+            return no(error, None);
+        }
+        last = Some(piece);
+    }
+    Ok(Usable::Yes(last.filter(|_| matches!(file, PointFile::Whole(_)))))
 }
 
 fn check_dim(set: &RawPoints, first: Option<&RawPoints>, options: &ReadOptions) -> Result<()> {
@@ -184,14 +310,14 @@ fn coordinates(dim: usize) -> String {
     plural(dim as u64, "coordinate")
 }
 
-fn is_stdin(path: &Path) -> bool {
+pub(crate) fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
 /// The files that inputs stand for, as far as they can be found.
 pub(crate) fn paths(inputs: &[PathBuf]) -> Vec<PathBuf> {
-    let expanded = inputs.iter().filter_map(|input| expand(input, &ReadOptions::default()).ok());
-    expanded.flatten().filter(|path| !is_stdin(path)).collect()
+    let listed = inputs.iter().filter_map(|input| expand(input, &ReadOptions::default()).ok());
+    listed.flatten().map(|(path, _)| path).filter(|path| !is_stdin(path)).collect()
 }
 
 /// What is said of folders within directories that are given: they are not read.
@@ -216,14 +342,18 @@ fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }
 
+/// A file, or what is wrong with its name.
+type Listed = (PathBuf, Result<()>);
+
 /// The files that one input stands for.
-fn expand(input: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
+fn expand(input: &Path, options: &ReadOptions) -> Result<Vec<Listed>> {
+    let itself = || Ok(vec![(input.to_owned(), Ok(()))]);
     if is_stdin(input) {
-        return Ok(vec![input.to_owned()]);
+        return itself();
     }
     match fs::metadata(input) {
         Ok(data) if data.is_dir() => directory(input, options),
-        Ok(_) => Ok(vec![input.to_owned()]),
+        Ok(_) => itself(),
         // The shell expands patterns, but not when quoted, and not on Windows.
         Err(error) => match input.to_str().filter(|text| text.contains(['*', '?', '['])) {
             Some(pattern) => matches(input, pattern),
@@ -232,7 +362,7 @@ fn expand(input: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
     }
 }
 
-fn matches(input: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
+fn matches(input: &Path, pattern: &str) -> Result<Vec<Listed>> {
     let place = input.display().to_string();
     let options = glob::MatchOptions { require_literal_leading_dot: true, ..Default::default() };
     let found = glob::glob_with(pattern, options).map_err(|e| Error::input(&place, format!("not a pattern: {e}")))?;
@@ -247,22 +377,15 @@ fn matches(input: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
         return Err(Error::input(place, "no file matches this pattern"));
     }
     sort_naturally(&mut paths);
-    Ok(paths)
+    Ok(paths.into_iter().map(|path| (path, Ok(()))).collect())
 }
 
-fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
+fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<Listed>> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(dir).map_err(|e| Error::file(dir, e))? {
         let path = entry.map_err(|e| Error::file(dir, e))?.path();
         if is_hidden(&path) || fs::metadata(&path).map_err(|e| Error::file(&path, e))?.is_dir() {
             continue;
-        }
-        let extension = extension(&path);
-        if options.raw.is_none() && !extension.is_empty() && !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
-            let known = KNOWN_EXTENSIONS.join(", .");
-            let reason =
-                format!("not a kind of file that holds points; expected .{known}, or name the files one by one");
-            return Err(Error::input(path.display().to_string(), reason));
         }
         paths.push(path);
     }
@@ -278,7 +401,20 @@ fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
         return Err(Error::input(dir.display().to_string(), reason));
     }
     sort_naturally(&mut paths);
-    Ok(paths)
+    let listed = |path: PathBuf| {
+        let extension = extension(&path);
+        let whether =
+            if options.raw.is_none() && !extension.is_empty() && !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
+                let known = KNOWN_EXTENSIONS.join(", .");
+                let reason =
+                    format!("not a kind of file that holds points; expected .{known}, or name the files one by one");
+                Err(Error::input(path.display().to_string(), reason))
+            } else {
+                Ok(())
+            };
+        (path, whether)
+    };
+    Ok(paths.into_iter().map(listed).collect())
 }
 
 pub(crate) fn extension(path: &Path) -> String {
@@ -307,15 +443,19 @@ fn natural_key(name: &str) -> (Vec<(String, usize, String)>, String) {
 }
 
 /// Every realization of one file, at least one.
-pub(crate) fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
-    let (name, bytes) = if is_stdin(path) {
-        let mut bytes = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| Error::file("standard input", e))?;
-        ("standard input".to_owned(), bytes)
-    } else {
-        (path.display().to_string(), fs::read(path).map_err(|e| Error::file(path, e))?)
-    };
+fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -> Result<Vec<MarkedPoints>> {
+    let (name, bytes) = read_whole(path)?;
     read_bytes(&name, &extension(path), &bytes, options, columns)
+}
+
+/// What a file is called, and its bytes.
+pub(crate) fn read_whole(path: &Path) -> Result<(String, Vec<u8>)> {
+    if !is_stdin(path) {
+        return Ok((path.display().to_string(), fs::read(path).map_err(|e| Error::file(path, e))?));
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| Error::file("standard input", e))?;
+    Ok(("standard input".to_owned(), bytes))
 }
 
 /// Every realization of bytes that are a file's, at least one.
@@ -347,6 +487,9 @@ pub(crate) fn read_bytes(
         }
         return numbered(name, utk::read(name, bytes, columns)?, columns);
     }
+    if let Some(read) = tabled(name, bytes, columns) {
+        return read;
+    }
     let place = |reason: String| Error::input(name, reason);
     if let Some(reason) = foreign::named(bytes, extension) {
         return Err(place(reason));
@@ -358,6 +501,9 @@ pub(crate) fn read_bytes(
         let (decoded, damaged) = encoding.decode_with_bom_removal(bytes);
         if damaged {
             return Err(place(format!("text in {}, but damaged: some of it is no character", encoding.name())));
+        }
+        if let Some(read) = tabled(name, decoded.as_bytes(), columns) {
+            return read;
         }
         if let Some(reason) = foreign::named(decoded.as_bytes(), extension) {
             return Err(place(reason));
@@ -383,6 +529,33 @@ pub(crate) fn read_bytes(
             Err(Error::input(name, reason))
         }
     }
+}
+
+/// Every realization of bytes whose format names its columns, if they are of such a format.
+fn tabled(name: &str, bytes: &[u8], columns: &Columns) -> Option<Result<Vec<MarkedPoints>>> {
+    /// So many bytes of a text are looked at.
+    const HEAD: usize = 1 << 13;
+    if ply::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
+        return Some(ply::read(name, bytes, columns));
+    }
+    if bytes.starts_with(vtk::MAGIC) {
+        return Some(vtk::read(name, bytes, columns));
+    }
+    if !text::is_text(bytes) {
+        return None;
+    }
+    let bytes = bytes.strip_prefix(text::UTF8_MARK).unwrap_or(bytes);
+    let start = bytes.trim_ascii_start();
+    let head = &bytes[..bytes.len().min(HEAD)];
+    if start.starts_with(lammps::START) {
+        return Some(lammps::read(name, bytes, columns));
+    }
+    if start.starts_with(b"{") && geojson::is(&String::from_utf8_lossy(head)) {
+        let text = std::str::from_utf8(bytes).map_err(|_| Error::input(name, "GeoJSON that is no UTF-8"));
+        return Some(text.and_then(|text| geojson::read(name, text, columns)));
+    }
+    let lines: Vec<&[u8]> = text::Lines(head).take(3).collect();
+    xyz::is(&lines).then(|| xyz::read(name, bytes, columns))
 }
 
 fn unknown(name: &str, rows: Rows) -> Error {
@@ -439,6 +612,7 @@ fn numbered(name: &str, all: Sets, columns: &Columns) -> Result<Vec<MarkedPoints
         unused: (0..width).filter(|k| !taken.contains(k) && !marks.contain(*k)).map(called).collect(),
         apart: realization.map_or(apart, |k| Apart::Column(called(k))),
         digits,
+        stated: None,
         notes: Vec::new(),
     };
     let single = sets.len() == 1 && first.is_none();

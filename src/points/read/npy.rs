@@ -46,6 +46,35 @@ pub(super) fn read(name: &str, bytes: &[u8], columns: &Columns) -> Result<Sets> 
     Ok(Sets { sets, ..described(element, &shape, None) })
 }
 
+/// The sizes and the numbers of an array of any shape, the last axis fastest.
+///
+/// # Errors
+/// What is no array of numbers, or not all of one.
+pub(crate) fn array_of_bytes(name: &str, bytes: &[u8]) -> Result<(Vec<usize>, Vec<f64>)> {
+    let fail = |reason: String| Error::input(name, reason);
+    if !bytes.starts_with(MAGIC) {
+        return Err(fail("not a .npy array".into()));
+    }
+    let (text, data) = split(bytes).map_err(fail)?;
+    let Header { dtype, element, big_endian, fortran, shape } = parse(text).map_err(fail)?;
+    let count = shape.iter().try_fold(1, |product: u64, &side| product.checked_mul(side));
+    check_length(name, &format!("shape {} of {dtype}", show_shape(&shape)), count, element, data)?;
+    let mut values = element.decode(data, big_endian);
+    let sides: Vec<usize> = shape.iter().map(|&side| side as usize).collect();
+    if fortran {
+        // Where the first axis is fastest the axes stand in reverse order.
+        let place = |at: usize| {
+            let (mut rest, mut place) = (at, vec![0; sides.len()]);
+            for (axis, &side) in sides.iter().enumerate().rev() {
+                (place[axis], rest) = (rest % side, rest / side);
+            }
+            place.iter().zip(&sides).rev().fold(0, |at, (i, side)| at * side + i)
+        };
+        values = (0..values.len()).map(|at| values[place(at)]).collect();
+    }
+    Ok((sides, values))
+}
+
 /// What is said of an array of this shape, without its numbers.
 fn described(element: Element, shape: &[u64], first: Option<u64>) -> Sets {
     Sets {

@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use geojson::{GeoJson, GeometryValue, JsonObject, Position};
+use ::geojson::{GeoJson, GeometryValue, Position};
 use wkt::Wkt;
 use wkt::types::Coord;
 
+use super::geojson::degrees;
 use super::{Columns, ReadOptions, read_bytes};
 use crate::error::{Error, Result};
 use crate::points::Domain;
@@ -18,15 +19,22 @@ use crate::setting::Setting;
 /// # Errors
 /// What the file system says; what is no polygon, by its line or ring.
 pub fn read_polygon(path: &Path) -> Result<(Domain, Vec<String>)> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
+    polygon_of_bytes(path, &std::fs::read(path).map_err(|e| Error::file(path, e))?)
+}
+
+/// The same of the bytes of a file, which `path` is the name of.
+///
+/// # Errors
+/// What is no polygon, by its line or ring.
+pub fn polygon_of_bytes(path: &Path, bytes: &[u8]) -> Result<(Domain, Vec<String>)> {
     let place = path.display().to_string();
     let fail = |reason: String| Error::input(&place, reason);
-    let text = std::str::from_utf8(&bytes).ok().map(|text| text.trim_start_matches('\u{feff}').trim());
+    let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}').trim());
     let (parts, notes) = match text {
         Some("") => return Err(fail(format!("is empty; {EXPECTED}"))),
         Some(text) if text.starts_with('{') => of_geojson(text).map_err(fail)?,
         Some(text) if is_wkt(text) => (of_wkt(text).map_err(fail)?, Vec::new()),
-        _ => of_vertices(path, &bytes)?,
+        _ => of_vertices(path, bytes)?,
     };
     let domain = Domain::polygon(parts).map_err(|e| match e {
         Error::Setting { setting: Setting::WindowPolygon, value, reason } if value == "polygon" => fail(reason),
@@ -80,19 +88,10 @@ fn of_wkt(text: &str) -> Result<Vec<Vec<Ring>>, String> {
 
 fn of_geojson(text: &str) -> Result<(Vec<Vec<Ring>>, Vec<String>), String> {
     let json: GeoJson = text.parse().map_err(|e| format!("is no GeoJSON: {e}; {EXPECTED}"))?;
-    let mut notes = Vec::new();
-    let members: Option<&JsonObject>;
     let geometry = match &json {
-        GeoJson::Geometry(geometry) => {
-            members = geometry.foreign_members.as_ref();
-            Some(geometry)
-        }
-        GeoJson::Feature(feature) => {
-            members = feature.foreign_members.as_ref();
-            feature.geometry.as_ref()
-        }
+        GeoJson::Geometry(geometry) => Some(geometry),
+        GeoJson::Feature(feature) => feature.geometry.as_ref(),
         GeoJson::FeatureCollection(all) => {
-            members = all.foreign_members.as_ref();
             if all.features.len() != 1 {
                 let n = all.features.len();
                 return Err(format!(
@@ -110,15 +109,8 @@ fn of_geojson(text: &str) -> Result<(Vec<Vec<Ring>>, Vec<String>), String> {
         GeometryValue::MultiPolygon { coordinates } => coordinates.iter().map(polygon).collect::<Result<_, _>>()?,
         other => return Err(format!("is a {}; {EXPECTED}", other.type_name())),
     };
-    // The standard of 2016 knows degrees only; the one before had a member that says otherwise.
-    let fits = |limit: f64, axis: usize| parts.iter().flatten().flatten().all(|v: &[f64; 2]| v[axis].abs() <= limit);
-    if members.is_none_or(|m| !m.contains_key("crs")) && fits(180.0, 0) && fits(90.0, 1) {
-        notes.push(
-            "GeoJSON without a `crs` is by its standard in degrees of longitude and latitude; if this is, project it and the points: \
-             distances between degrees mean little"
-                .into(),
-        );
-    }
+    let every = parts.iter().flatten().flatten().map(|vertex| vertex.as_slice());
+    let notes = degrees(&json, every).map(String::from).into_iter().collect();
     Ok((parts, notes))
 }
 

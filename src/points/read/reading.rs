@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::StatedBox;
+
 /// By what the realizations of a file are told apart.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Apart {
@@ -20,10 +22,12 @@ pub enum Apart {
     Arrays,
     /// By the sets of a UTK file.
     Sets,
+    /// By the frames of a trajectory.
+    Frames,
 }
 
 impl Apart {
-    fn words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         match self {
             Self::Files => "each file is one realization".into(),
             Self::Comments => "realizations told apart by comment lines".into(),
@@ -32,12 +36,13 @@ impl Apart {
             Self::FirstAxis => "realizations are the first axis of the array".into(),
             Self::Arrays => "each array is one realization".into(),
             Self::Sets => "realizations are the sets of the file".into(),
+            Self::Frames => "realizations are the frames of the file".into(),
         }
     }
 }
 
 /// What was taken of one file.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Reading {
     /// In words: `CSV, header in line 1`.
     pub format: String,
@@ -49,8 +54,19 @@ pub struct Reading {
     pub apart: Apart,
     /// Binary digits of a stored number, where they are fewer than those of f64.
     pub digits: Option<u32>,
+    /// The box that the file states, or why that is none.
+    pub stated: Option<Result<StatedBox, String>>,
     /// What the user should know, each with its file.
     pub notes: Vec<String>,
+}
+
+/// A file that was left out, and why.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// As it was given or found.
+    pub file: String,
+    /// What is wrong with it.
+    pub reason: String,
 }
 
 /// What was read of all files.
@@ -68,6 +84,9 @@ pub struct Input {
     pub realizations: Vec<String>,
     /// How many points lay outside the box and were folded into it; `null` where that was not asked for.
     pub wrapped: Option<u64>,
+    /// Files that could not be used and were left out, where that was asked for.
+    #[serde(default)]
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Of this many files what is said of each is kept; of the rest, that there are more.

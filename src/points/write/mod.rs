@@ -2,9 +2,11 @@
 
 mod npy;
 mod npz;
+mod ply;
 mod raw;
 mod text;
 mod utk;
+mod xyz;
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -41,7 +43,7 @@ impl From<io::Error> for Refusal {
     }
 }
 
-/// Writes `realizations` to `path` in the format of its extension: `.csv`, `.txt`, `.npy`, `.npz`, `.rps`, `.bin`
+/// Writes `realizations` to `path` in the format of its extension: `.csv`, `.txt`, `.npy`, `.npz`, `.ply`, `.xyz`, `.rps`, `.bin`
 /// (UTK), `.f32` or `.f64`. All but `.rps` and `.f32` keep every bit. An existing file is replaced only with `force`.
 ///
 /// # Errors
@@ -65,11 +67,14 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
         "npy" => Box::new(npy::Npy::new(output)),
         "npz" => Box::new(npz::Npz::new(output)),
         "bin" => Box::new(utk::Utk::new(output)),
+        "ply" => Box::new(ply::Ply(output)),
+        "xyz" | "extxyz" => Box::new(xyz::Xyz(output)),
         "rps" => Box::new(raw::Raw::new(output, raw::Kind::Rps)),
         "f32" => Box::new(raw::Raw::new(output, raw::Kind::F32)),
         "f64" => Box::new(raw::Raw::new(output, raw::Kind::F64)),
         _ => {
-            let reason = "expected a file name that ends in .csv, .txt, .npy, .npz, .rps, .bin, .f32 or .f64";
+            let reason =
+                "expected a file name that ends in .csv, .txt, .npy, .npz, .ply, .xyz, .rps, .bin, .f32 or .f64";
             return Err(Error::setting(Setting::Out, path.display(), reason));
         }
     };

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{Error, Result, number, plural};
 use crate::plan::WaveList;
 use crate::points::Domain;
-use crate::points::read::{Columns, Input, ReadOptions, Rows, read_file};
+use crate::points::read::{Columns, Input, ReadOptions, Rows, extension, read_bytes, read_whole};
 use crate::setting::Setting;
 
 /// Frequencies from here on are refused: 2^31 cycles per side.
@@ -19,11 +19,21 @@ const LIMIT: f64 = 2_147_483_648.0;
 /// # Errors
 /// What the file system says; what is no wave vector, by its place.
 pub fn read_frequencies(path: &Path, domain: &Domain) -> Result<(WaveList, String)> {
+    let (name, bytes) = read_whole(path)?;
+    frequencies_of_bytes(Path::new(&name), &bytes, domain)
+}
+
+/// The same of the bytes of a file, which `path` is the name of.
+///
+/// # Errors
+/// What is no wave vector, by its place.
+pub fn frequencies_of_bytes(path: &Path, bytes: &[u8], domain: &Domain) -> Result<(WaveList, String)> {
+    let name = path.display().to_string();
     let dim = domain.dim();
     let mut vectors = Vec::new();
     let mut read = Input::default();
     let columns = Columns { rows: Rows::WaveVectors { per_side: domain.is_torus() }, ..Columns::default() };
-    for set in read_file(path, &ReadOptions { dim: Some(dim), raw: None }, &columns)? {
+    for set in read_bytes(&name, &extension(path), bytes, &ReadOptions { dim: Some(dim), raw: None }, &columns)? {
         if let Some(column) = set.reading.columns.iter().find(|name| is_angular(name)) {
             let (unit, names) = match domain.is_torus() {
                 true => ("integers m, cycles per side of the torus", "m_x, m_y"),

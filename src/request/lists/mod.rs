@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 pub use edges::read_edges;
-pub use frequencies::read_frequencies;
+pub use frequencies::{frequencies_of_bytes, read_frequencies};
 
 use crate::error::Result;
 use crate::plan::WaveList;

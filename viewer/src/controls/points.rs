@@ -10,7 +10,7 @@ use crate::set::{Set, fitting, of_sampler};
 use crate::style;
 
 /// Settings of files.
-pub(super) const OF_FILES: [(Setting, &str); 11] = [
+pub(super) const OF_FILES: [(Setting, &str); 12] = [
     (Setting::Domain, "domain"),
     (Setting::Sides, "box"),
     (Setting::Window, "window"),
@@ -22,6 +22,7 @@ pub(super) const OF_FILES: [(Setting, &str); 11] = [
     (Setting::Columns, "columns"),
     (Setting::RealizationColumn, "realizations"),
     (Setting::WeightColumn, "weights"),
+    (Setting::KeepGoing, "leave out broken files"),
 ];
 
 /// Settings of samplers, whose controls are drawn by hand.

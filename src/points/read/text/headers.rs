@@ -1,43 +1,44 @@
 //! Headers: which names stand for what, and what the lines below them look like.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::ops::Range;
 
 use super::super::columns::without_unit;
-use super::super::{Marks, Rows};
+use super::super::{Columns, MarkedPoints, Marks, Rows, suspicious};
 use super::Parser;
 use super::lines::{
     decimal_comma, delimiter, has_decimal_comma, is_blank, number, shown, split_decimals, split_loosely,
     split_strictly, unquoted,
 };
-use super::rows::RowNames;
+use super::rows::{MOST_FRAMES, RowNames};
 use crate::error::Result;
 
 /// What the lines of a file look like, known from its header or from its first point.
-pub(super) struct Layout {
+pub(in crate::points::read) struct Layout {
     /// Fields per line.
-    pub(super) width: usize,
+    pub(in crate::points::read) width: usize,
     /// Which fields are x, y, z.
-    pub(super) columns: Vec<usize>,
+    pub(in crate::points::read) columns: Vec<usize>,
     /// Which are something else.
-    pub(super) marks: Marks,
+    pub(in crate::points::read) marks: Marks,
     /// `None`: any separator. Otherwise the one of the header, because other columns may hold blanks or nothing.
     pub(super) delimiter: Option<u8>,
     /// The line it was learned from.
-    pub(super) line: u64,
+    pub(in crate::points::read) line: u64,
     /// The names of the columns, if there are any.
-    pub(super) names: Vec<String>,
+    pub(in crate::points::read) names: Vec<String>,
     /// Whether a header names them, which may be one name short.
     pub(super) header: bool,
     /// The names of rows before the first column, where the header is a name short.
     pub(super) row_names: Option<RowNames>,
     /// A column that is not used and could tell realizations apart, with its values.
-    pub(super) frames: Option<(usize, HashSet<Vec<u8>>)>,
+    pub(in crate::points::read) frames: Option<(usize, HashSet<Vec<u8>>)>,
 }
 
 impl Layout {
     /// The name of a column, or its number from 1.
-    pub(super) fn name(&self, k: usize) -> String {
+    pub(in crate::points::read) fn name(&self, k: usize) -> String {
         // A header may be one name short.
         let name = (k + self.names.len()).checked_sub(self.width).and_then(|k| self.names.get(k));
         name.filter(|n| !n.is_empty()).cloned().unwrap_or_else(|| (k + 1).to_string())
@@ -49,49 +50,13 @@ impl Layout {
         let short = self.width - known;
         known == names && self.columns.iter().copied().eq(columns.iter().map(|k| k + short))
     }
-}
-
-impl Parser<'_> {
-    /// Whether a first line names columns.
-    pub(super) fn is_header(&self, content: &[u8]) -> bool {
-        let (fields, _) = header_fields(content, self.separator);
-        let named = |f: &Range<usize>| could_be_name(&content[f.clone()]);
-        fields.iter().all(named) && fields.iter().any(|f| !f.is_empty())
-    }
-
-    /// `,0,1`: as pandas numbers columns beside an index.
-    pub(super) fn numbers_columns_beside_index(&self, content: &[u8]) -> bool {
-        let (fields, _) = header_fields(content, self.separator);
-        let names: Vec<&[u8]> = fields.iter().map(|f| unquoted(&content[f.clone()])).collect();
-        names.len() > 1 && names[0].is_empty() && names[1] == b"0" && numbers_columns(&names[1..])
-    }
-
-    pub(super) fn header(&mut self, line: u64, content: &[u8]) -> Result<()> {
-        let (fields, delimiter) = header_fields(content, self.separator);
-        let names: Vec<&[u8]> = fields.iter().map(|f| unquoted(&content[f.clone()])).collect();
-        let mut layout = match self.named(&names, line) {
-            Ok(layout) => layout,
-            Err(reason) => return self.fail(line, reason),
-        };
-        if let Some(known) = self.layout.as_ref().filter(|l| !l.is_named_so(names.len(), &layout.columns)) {
-            return self.fail(line, format!("this header differs from the columns of line {}", known.line));
-        }
-        if self.layout.is_some() {
-            // Of the first it is known whether it was a name short.
-            return Ok(());
-        }
-        let only_coordinates = layout.columns.len() == names.len();
-        layout.delimiter = delimiter.filter(|_| !only_coordinates).or(self.separator);
-        self.layout = Some(layout);
-        Ok(())
-    }
 
     /// What columns of these names hold.
-    fn named(&self, names: &[&[u8]], line: u64) -> Result<Layout, String> {
+    pub(in crate::points::read) fn of_names(chosen: &Columns, names: &[&[u8]], line: u64) -> Result<Self, String> {
         let width = names.len();
-        let marks = self.marks.find(width, names)?;
+        let marks = chosen.find(width, names)?;
         let bare: Vec<&[u8]> = names.iter().map(|name| without_unit(name)).collect();
-        let rows = self.marks.rows;
+        let rows = chosen.rows;
         let by_flag = rows == Rows::Points;
         let flag = if by_flag { "; `columns` names others" } else { "" };
         let columns = if !marks.coordinates.is_empty() {
@@ -104,7 +69,7 @@ impl Parser<'_> {
             let others: Vec<usize> = (0..width).filter(|&k| !marks.contain(k)).collect();
             if !named.is_empty() {
                 named
-            } else if others.len() > self.marks.most_axes() {
+            } else if others.len() > chosen.most_axes() {
                 let all = names.iter().map(|n| String::from_utf8_lossy(n)).collect::<Vec<_>>().join(",");
                 let choose = if by_flag { ", or `columns` with the names of those meant" } else { "" };
                 return Err(format!(
@@ -138,7 +103,107 @@ impl Parser<'_> {
         let unused = |k: &usize| !columns.contains(k) && !marks.contain(*k);
         let frames = (0..width).filter(unused).find(|&k| is_frame(bare[k])).map(|k| (k, HashSet::new()));
         let names = names.iter().map(|n| String::from_utf8_lossy(n).into_owned()).collect();
-        Ok(Layout { width, columns, marks, delimiter: None, line, names, header: true, row_names: None, frames })
+        Ok(Self { width, columns, marks, delimiter: None, line, names, header: true, row_names: None, frames })
+    }
+
+    /// Columns that hold nothing that was taken.
+    pub(in crate::points::read) fn unused(&self) -> Vec<String> {
+        let unused = |k: &usize| !self.columns.contains(k) && !self.marks.contain(*k);
+        (0..self.width).filter(unused).map(|k| self.name(k)).collect()
+    }
+
+    /// Takes a value of the column that could tell realizations apart into account.
+    pub(in crate::points::read) fn see_frame<'a>(&mut self, value: impl FnOnce(usize) -> Cow<'a, [u8]>) {
+        if let Some((column, values)) = &mut self.frames
+            && values.len() < MOST_FRAMES
+        {
+            let value = value(*column);
+            if !values.contains(value.as_ref()) {
+                values.insert(value.into_owned());
+            }
+        }
+    }
+
+    /// What should be known of the columns: one of frames that is not used, degrees.
+    pub(in crate::points::read) fn notes(&self, points: usize, sets: usize, chosen: &Columns) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some((column, values)) = self.frames.as_ref().filter(|_| chosen.realization.is_none()) {
+            let (column, values) = (self.name(*column), values.len());
+            if values > 1 && values < points {
+                let many = if values < MOST_FRAMES { values.to_string() } else { format!("more than {values}") };
+                let one = one_or_more(sets);
+                notes.push(format!(
+                    "column {column} has {many} values and was not used: {points} points are {one}; `realization_column` {column} makes each value one"
+                ));
+            }
+        }
+        if let Some(k) = self.columns.iter().find(|&&k| self.names.get(k).is_some_and(|n| is_degrees(n))) {
+            notes.push(format!(
+                "column {} holds degrees by its name; distances in degrees differ with direction and latitude: convert to metres first (UTM or another projection)",
+                self.name(*k)
+            ));
+        }
+        notes
+    }
+
+    /// A column among the coordinates that may be none, unless it is named as an axis.
+    pub(in crate::points::read) fn suspicious(
+        &self,
+        sets: &[MarkedPoints],
+        chosen: &Columns,
+    ) -> Option<Result<String, String>> {
+        if !chosen.coordinates.is_empty() || chosen.rows != Rows::Points {
+            return None;
+        }
+        suspicious(sets, |k| {
+            let column = self.columns[k];
+            let named_axis = self.names.get(column).is_some_and(|n| {
+                named_columns(&[without_unit(n.as_bytes())], chosen.rows).is_ok_and(|c| !c.is_empty())
+                    || ["y", "z"].iter().any(|a| n.eq_ignore_ascii_case(a))
+            });
+            (!named_axis).then(|| self.name(column))
+        })
+    }
+}
+
+/// How many realizations, in words.
+pub(super) fn one_or_more(sets: usize) -> String {
+    if sets == 1 { "one realization".into() } else { format!("{sets} realizations") }
+}
+
+impl Parser<'_> {
+    /// Whether a first line names columns.
+    pub(super) fn is_header(&self, content: &[u8]) -> bool {
+        let (fields, _) = header_fields(content, self.separator);
+        let named = |f: &Range<usize>| could_be_name(&content[f.clone()]);
+        fields.iter().all(named) && fields.iter().any(|f| !f.is_empty())
+    }
+
+    /// `,0,1`: as pandas numbers columns beside an index.
+    pub(super) fn numbers_columns_beside_index(&self, content: &[u8]) -> bool {
+        let (fields, _) = header_fields(content, self.separator);
+        let names: Vec<&[u8]> = fields.iter().map(|f| unquoted(&content[f.clone()])).collect();
+        names.len() > 1 && names[0].is_empty() && names[1] == b"0" && numbers_columns(&names[1..])
+    }
+
+    pub(super) fn header(&mut self, line: u64, content: &[u8]) -> Result<()> {
+        let (fields, delimiter) = header_fields(content, self.separator);
+        let names: Vec<&[u8]> = fields.iter().map(|f| unquoted(&content[f.clone()])).collect();
+        let mut layout = match Layout::of_names(self.marks, &names, line) {
+            Ok(layout) => layout,
+            Err(reason) => return self.fail(line, reason),
+        };
+        if let Some(known) = self.layout.as_ref().filter(|l| !l.is_named_so(names.len(), &layout.columns)) {
+            return self.fail(line, format!("this header differs from the columns of line {}", known.line));
+        }
+        if self.layout.is_some() {
+            // Of the first it is known whether it was a name short.
+            return Ok(());
+        }
+        let only_coordinates = layout.columns.len() == names.len();
+        layout.delimiter = delimiter.filter(|_| !only_coordinates).or(self.separator);
+        self.layout = Some(layout);
+        Ok(())
     }
 
     /// All columns of `width` that are no marks: the coordinates where no header names them.

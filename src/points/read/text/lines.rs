@@ -119,7 +119,7 @@ pub(super) fn unquoted(field: &[u8]) -> &[u8] {
 
 /// A number as Rust, C, Python or Fortran (`1.5d-3`) write it, rounded to nearest. Also `nan` and `inf`, so that the
 /// message can tell them from text.
-pub(super) fn number(field: &[u8]) -> Option<f64> {
+pub(in crate::points::read) fn number(field: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(field).ok()?;
     let fortran = || text.contains(['d', 'D']).then(|| text.replace(['d', 'D'], "e").parse().ok()).flatten();
     text.parse().ok().or_else(fortran)
@@ -190,7 +190,7 @@ pub(super) fn split_decimals(content: &[u8], fields: &mut Vec<Range<usize>>) -> 
 }
 
 /// `content` for a message: quoted, shortened, without control characters.
-pub(super) fn shown(content: &[u8]) -> String {
+pub(in crate::points::read) fn shown(content: &[u8]) -> String {
     const LONGEST: usize = 40;
     let content = content.trim_ascii();
     let text = String::from_utf8_lossy(&content[..content.len().min(4 * LONGEST)]);

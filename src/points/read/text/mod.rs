@@ -17,16 +17,16 @@ use std::sync::Arc;
 
 use encoding_rs::Encoding;
 
-use super::columns::{Separator, without_unit};
-use super::{Apart, Columns, MarkedPoints, Reading, Rows};
+use super::columns::Separator;
+use super::{Apart, Columns, MarkedPoints, Reading};
 use crate::error::{Error, Result, plural};
-use headers::{Layout, is_degrees, named_columns};
-pub(super) use lines::Lines;
+pub(super) use headers::Layout;
+use headers::one_or_more;
+pub(super) use lines::{Lines, number, shown};
 pub(crate) use lines::{has_decimal_comma, is_decimal_comma};
-use lines::{is_blank, separator_line, shown, split_comment, split_decimals, split_loosely, split_strictly, unquoted};
-use rows::MOST_FRAMES;
+use lines::{is_blank, separator_line, split_comment, split_decimals, split_loosely, split_strictly, unquoted};
 
-const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
+pub(super) const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 /// How much of a file decides whether it is text.
 const HEAD: usize = 1 << 16;
 
@@ -262,10 +262,7 @@ impl<'a> Parser<'a> {
         let mut reading = Reading { notes: std::mem::take(&mut self.notes), ..Reading::default() };
         let Some(layout) = &self.layout else { return Ok(reading) };
         let points: usize = self.sets.iter().map(|set| set.points.len()).sum();
-        let one = match self.sets.len() {
-            1 => "one realization".to_string(),
-            k => format!("{k} realizations"),
-        };
+        let one = one_or_more(self.sets.len());
         let name = self.name;
         let mut note = |line: u64, text: String| reading.notes.push(format!("{name}:{line}: {text}"));
         let Seen { count, first } = self.empty_at_end;
@@ -287,43 +284,11 @@ impl<'a> Parser<'a> {
                 ),
             );
         }
-        if let Some((column, values)) = layout.frames.as_ref().filter(|_| self.marks.realization.is_none()) {
-            let (column, values) = (layout.name(*column), values.len());
-            if values > 1 && values < points {
-                let many = if values < MOST_FRAMES { values.to_string() } else { format!("more than {values}") };
-                note(
-                    layout.line,
-                    format!(
-                        "column {column} has {many} values and was not used: {points} points are {one}; `realization_column` {column} makes each value one"
-                    ),
-                );
-            }
-        }
-        if let Some(k) = layout.columns.iter().find(|&&k| layout.names.get(k).is_some_and(|n| is_degrees(n))) {
-            note(
-                layout.line,
-                format!(
-                    "column {} holds degrees by its name; distances in degrees differ with direction and latitude: convert to metres first (UTM or another projection)",
-                    layout.name(*k)
-                ),
-            );
-        }
-        let chosen = !self.marks.coordinates.is_empty();
-        if !chosen
-            && self.marks.rows == Rows::Points
-            && let Some(found) = super::suspicious(&self.sets, |k| {
-                let column = layout.columns[k];
-                let named_axis = layout.names.get(column).is_some_and(|n| {
-                    named_columns(&[without_unit(n.as_bytes())], self.marks.rows).is_ok_and(|c| !c.is_empty())
-                        || ["y", "z"].iter().any(|a| n.eq_ignore_ascii_case(a))
-                });
-                (!named_axis).then(|| layout.name(column))
-            })
-        {
-            match found {
-                Ok(text) => note(layout.line, text),
-                Err(reason) => return self.fail(layout.line, reason),
-            }
+        layout.notes(points, self.sets.len(), self.marks).into_iter().for_each(|text| note(layout.line, text));
+        match layout.suspicious(&self.sets, self.marks) {
+            Some(Ok(text)) => note(layout.line, text),
+            Some(Err(reason)) => return self.fail(layout.line, reason),
+            None => {}
         }
         let commas = if self.decimals[0].is_some() { ", decimal commas" } else { "" };
         let header = match layout.header {
@@ -338,8 +303,7 @@ impl<'a> Parser<'a> {
         let encoding = if self.encoding.is_empty() { String::new() } else { format!(" in {}", self.encoding) };
         reading.format = format!("text{encoding}{header}{rows}{commas}");
         reading.columns = layout.columns.iter().map(|&k| layout.name(k)).collect();
-        let unused = |k: &usize| !layout.columns.contains(k) && !layout.marks.contain(*k);
-        reading.unused = (0..layout.width).filter(unused).map(|k| layout.name(k)).collect();
+        reading.unused = layout.unused();
         reading.apart = match column {
             Some(column) => Apart::Column(column),
             None if self.marks.realization == Some(Separator::BlankLines) => Apart::BlankLines,

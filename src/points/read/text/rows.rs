@@ -242,11 +242,8 @@ impl Parser<'_> {
                 format!("decimal commas (line {comma}) and decimal points (line {point}) in one file; write points");
             return self.fail(line, reason);
         }
-        if let Some((column, values)) = self.layout.as_mut().and_then(|l| l.frames.as_mut()) {
-            let field = &content[self.fields[*column].clone()];
-            if values.len() < MOST_FRAMES && !values.contains(field) {
-                values.insert(field.to_vec());
-            }
+        if let Some(layout) = &mut self.layout {
+            layout.see_frame(|column| content[self.fields[column].clone()].into());
         }
         if self.lines.is_empty() && self.sets.is_empty() && !self.header_seen && self.fields.len() > 1 {
             let names: Vec<&[u8]> = self.fields.iter().map(|f| unquoted(&content[f.clone()])).collect();
