@@ -4,6 +4,8 @@
 #   examples/slurm/run.sh PARTS OUT ARGUMENTS...      ARGUMENTS are those of `pairwave analyze` or `integrate`, without --out
 #   examples/slurm/run.sh 64 result --sampler poisson-disk -n 4096 -k 1000000 --stats pcf,spectrum
 #
+# Of many files, `pairwave scan FILES --out batch.scan` first and batch.scan in ARGUMENTS: each part then reads its own files only.
+#
 # A part that was stopped, killed or sent away is gone on with where it was when its index runs again: `sbatch --requeue` and
 # `sbatch --array=17 ...` are safe. Without sbatch the same steps run here, one after the other.
 set -euo pipefail

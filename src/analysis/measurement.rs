@@ -1,6 +1,5 @@
 //! The one engine: a request that is carried out step by step.
 
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -10,24 +9,21 @@ use super::plan::{check_convention, check_points};
 use super::ranges::Ranges;
 use super::sizes::Sizes;
 use super::status::{Status, TrackStatus};
-use crate::accumulate::{Backend, ComputedBy, WavePower};
+use super::track::Track;
+use crate::accumulate::WavePower;
 use crate::compute::{Device, Session};
 use crate::control::{Clock, Control, Instant, Progress};
-use crate::error::{Error, Result, plural};
-use crate::estimate::Analysis;
+use crate::error::{Error, Result};
 use crate::plan::{EnsembleShape, LEAF};
 use crate::points::Ensemble;
 use crate::request::{PointsRequest, Request};
 use crate::setting::Setting;
 use crate::source::Points;
-use crate::statistics::group::{Effort, KeptPart, Part, PartSums, Subject, together};
+use crate::statistics::group::{Effort, PartSums};
 use crate::statistics::targets::{Standing, Standings};
 
 /// Seconds that a round of realizations aims at.
 const ROUND: f64 = 2.0;
-
-/// Seconds that a step of a measurement that is looked at aims at, so that whoever takes steps can look up between them.
-const STEP: f64 = 0.05;
 
 /// A request, and the raw sums of the realizations that were measured so far. It can be carried on step by step, looked at at
 /// any time, written and read, and merged with one of other realizations. However it was cut, stopped or merged, the
@@ -81,26 +77,9 @@ pub struct Measurement {
     /// Sums of realizations that not every group has yet: so that, whatever stops a run, all hold the same ones.
     round: Vec<(usize, Range<u64>, Box<dyn PartSums>)>,
     /// How the numbers stand that are to be known to an error.
-    standings: Option<Standings>,
+    pub(super) standings: Option<Standings>,
     pub(super) clock: Clock,
     pub(super) warnings: Vec<String>,
-}
-
-/// The sums of one group.
-#[derive(Debug)]
-pub(super) struct Track {
-    /// What the sums are of.
-    pub(super) part: Box<dyn Part>,
-    pub(super) wanted: bool,
-    /// Of whole leaves of realizations.
-    pub(super) whole: Option<Box<dyn PartSums>>,
-    /// Of those of a leaf that is not full.
-    pub(super) leaf: Option<Box<dyn PartSums>>,
-    pub(super) done: Ranges,
-    kept: u64,
-    rebinned: bool,
-    /// What a realization took, in seconds.
-    each: f64,
 }
 
 impl Measurement {
@@ -569,93 +548,6 @@ impl Measurement {
             timings: self.clock.stages.clone(),
         }
     }
-
-    /// The estimates of what was measured so far; `None` before the first step.
-    pub fn analysis(&self) -> Option<Analysis> {
-        let start = Instant::now();
-        let mut found = self.estimates()?;
-        let source = &self.source;
-        found.subject = source.subject().to_string();
-        found.parameters = self.request.parameters();
-        found.unit = self.request.input.unit;
-        found.input = source.input().cloned();
-        found.plan = self.plan.to_string();
-        found.duplicates = self.duplicates;
-        let missed = |standing: &Standing| (!standing.reached).then(|| standing.short_of());
-        found.warnings.extend(self.standings.iter().flat_map(|standings| standings.0.iter().filter_map(missed)));
-        found.findings.add(self.standings.clone());
-        found.warnings.splice(0..0, self.warnings.iter().cloned());
-        let mut clock = self.clock.clone();
-        clock.add("estimates", start.elapsed().as_secs_f64());
-        found.timings = clock.stages;
-        Some(found)
-    }
-
-    /// The estimates, without the words about how they came about.
-    pub(super) fn estimates(&self) -> Option<Analysis> {
-        let (request, shape, source) = (&self.request, self.shape(), &self.source);
-        let subject = Subject { request, domain: source.domain(), process: source.process(), shape };
-        let sums: Vec<(&dyn Part, Cow<'_, dyn PartSums>)> = (self.plan.parts.iter())
-            .filter_map(|part| {
-                let track = self.tracks.iter().find(|t| t.wanted && t.part.name() == part.name())?;
-                // Both parts are of whole leaves, and measured by one plan.
-                Some((part, track.sums().ok()??))
-            })
-            .collect();
-        let by = sums.iter().filter_map(|(_, sums)| sums.computed_by().cloned()).reduce(|a, b| a.merge(&b));
-        let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu"));
-        let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
-        found.domain = source.domain().clone();
-        found.findings.add(source.inhomogeneity().cloned());
-        found.min_points = self.sizes.least();
-        found.conventions = request.conventions();
-        found.accuracy = request.accuracy;
-        if let Some(process) = subject.closed_forms() {
-            found.closed_form.name = process.name.clone();
-        }
-        for (part, sums) in &sums {
-            part.estimate(sums.as_ref(), &subject, &mut found);
-        }
-        found.warnings.extend(self.unweighted());
-        if self.duplicates > 0 {
-            let duplicates = self.duplicates;
-            let coincide = if duplicates == 1 { "coincides" } else { "coincide" };
-            let points = plural(duplicates, "point");
-            found.warnings.push(format!("{points} {coincide} with another point of their realization"));
-        }
-        for last in [false, true] {
-            for (part, sums) in sums.iter().filter(|(part, _)| part.last_words() == last) {
-                let warnings = part.warnings(sums.as_ref(), &subject, &self.plan.parts, &found);
-                found.warnings.extend(warnings);
-            }
-        }
-        Some(found)
-    }
-}
-
-impl Measurement {
-    /// What to know of points that are weighted by the inverse of their intensity.
-    fn unweighted(&self) -> Vec<String> {
-        let Some(found) = self.source.inhomogeneity() else { return Vec::new() };
-        let weighted = Setting::Inhomogeneous.row().map_or(&[][..], |row| row.statistics);
-        let others = self.request.stats.iter().filter(|s| !weighted.contains(s)).map(|s| s.name());
-        let integrals = (!self.request.integrand.is_empty()).then_some("integrals");
-        let others: Vec<&str> = others.chain(integrals).collect();
-        let mut warnings = Vec::new();
-        if !others.is_empty() {
-            warnings.push(format!(
-                "g(r), K, L, P and the covariance are those of an inhomogeneous process; not {}: they take all points alike",
-                others.join(", ")
-            ));
-        }
-        if let (Some(bandwidth), Some(0)) = (found.bandwidth, found.others) {
-            warnings.push(format!(
-                "the intensity is estimated from the points themselves: what is correlated over its bandwidth, {bandwidth:.4e}, and beyond \
-                 is taken for intensity"
-            ));
-        }
-        warnings
-    }
 }
 
 fn live_plan(request: &Request, source: &Points, device: &Device) -> Result<Plan> {
@@ -665,101 +557,4 @@ fn live_plan(request: &Request, source: &Points, device: &Device) -> Result<Plan
         return Err(Error::setting(Setting::Envelope, plan.simulations, reason));
     }
     Ok(plan)
-}
-
-impl Track {
-    pub(super) fn new(part: Box<dyn Part>) -> Self {
-        Self {
-            part,
-            wanted: true,
-            whole: None,
-            leaf: None,
-            done: Ranges::default(),
-            kept: 0,
-            rebinned: false,
-            each: f64::INFINITY,
-        }
-    }
-
-    /// All its sums.
-    pub(super) fn sums(&self) -> Result<Option<Cow<'_, dyn PartSums>>> {
-        together(self.whole.as_deref(), self.leaf.as_deref())
-    }
-
-    /// The same sums as those of another plan, if they are.
-    fn kept(self, wanted: &dyn Part, sizes: &Sizes) -> Option<Self> {
-        let done = self.done.count();
-        let keep = |sums: Option<&dyn PartSums>| match sums {
-            Some(sums) => self.part.kept(sums, wanted, &mut sizes.values()).map(Some),
-            None => Some(None),
-        };
-        let (whole, leaf) = (keep(self.whole.as_deref())?, keep(self.leaf.as_deref())?);
-        let any = whole.as_ref().or(leaf.as_ref());
-        // Without sums there is nothing to keep.
-        let (part, rebinned) = any.map(|kept| (kept.part.clone_part(), kept.rebinned))?;
-        let sums = |kept: Option<KeptPart>| kept.map(|kept| kept.sums);
-        let (whole, leaf) = (sums(whole), sums(leaf));
-        Some(Self { part, wanted: true, whole, leaf, done: self.done, kept: done, rebinned, each: self.each })
-    }
-
-    /// Which realizations to measure next: whole leaves where they are quick, else one.
-    fn next(&mut self, span: &Range<u64>, live: bool, most: u64) -> Option<Range<u64>> {
-        let Range { mut start, end } = self.done.gap(span)?;
-        if self.part.whole_leaves() && !start.is_multiple_of(LEAF) {
-            // Realizations cannot be added to a leaf that is one product: it is made anew.
-            start = start / LEAF * LEAF;
-            self.done.cut(start);
-            self.leaf = None;
-        }
-        let left = end - start;
-        let most = if live { most.min(self.part.batch().realizations) } else { most };
-        let size = if !start.is_multiple_of(LEAF) {
-            1
-        } else if self.part.whole_leaves() && live {
-            LEAF
-        } else if live {
-            match (STEP / self.each) as u64 {
-                0 | 1 => 1,
-                few if few < LEAF => few,
-                many => (many.min(left) / LEAF * LEAF).min(most.max(LEAF) / LEAF * LEAF),
-            }
-        } else if left < LEAF {
-            left
-        } else {
-            // The last leaf, which is not full, apart: so realizations can be added to it.
-            most.max(LEAF).min(left) / LEAF * LEAF
-        };
-        Some(start..start + size.max(1).min(left))
-    }
-
-    /// Adds the sums of realizations that were not there.
-    fn add(&mut self, range: Range<u64>, next: Box<dyn PartSums>) -> Result<()> {
-        let (starts, ends) = (range.start.is_multiple_of(LEAF), range.end.is_multiple_of(LEAF));
-        match (starts, ends, &mut self.leaf) {
-            (true, true, _) => join(&mut self.whole, next)?,
-            (true, false, _) => self.leaf = Some(next),
-            (false, full, Some(leaf)) => {
-                leaf.append(next)?;
-                if full && let Some(leaf) = self.leaf.take() {
-                    join(&mut self.whole, leaf)?;
-                }
-            }
-            (false, _, None) => {
-                return Err(Error::input("sums", "realizations of a leaf are missing: a bug of pairwave"));
-            }
-        }
-        self.done.add(range);
-        Ok(())
-    }
-}
-
-/// Adds sums of other realizations.
-pub(super) fn join(sums: &mut Option<Box<dyn PartSums>>, next: Box<dyn PartSums>) -> Result<()> {
-    match sums {
-        Some(sums) => sums.merge(next),
-        None => {
-            *sums = Some(next);
-            Ok(())
-        }
-    }
 }

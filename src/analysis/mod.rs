@@ -3,6 +3,7 @@
 
 mod ahead;
 mod envelope;
+mod estimates;
 mod job;
 mod measurement;
 mod plan;
@@ -10,6 +11,7 @@ mod ranges;
 mod sizes;
 mod status;
 mod sums_file;
+mod track;
 
 use std::sync::Arc;
 

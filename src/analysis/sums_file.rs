@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
 
-use super::measurement::{Track, join};
 use super::ranges::Ranges;
 use super::sizes::Sizes;
+use super::track::{Track, join};
 use super::{Measurement, Plan};
 use crate::accumulate::{Decoder, Encoder};
 use crate::compute::Device;

@@ -12,7 +12,7 @@ use pairwave::report::{Asked, Beside};
 use pairwave::request::Request;
 use pairwave::source::{AllAxes, Points};
 use pairwave::survey::{self, Prefixes, Views};
-use pairwave::{Error, Result, Setting, check_threads, comparison, report};
+use pairwave::{Error, Result, Setting, check_threads, comparison, report, source};
 
 use super::batch::Batch;
 use super::config;
@@ -81,7 +81,8 @@ impl Analyze {
         }
     }
 
-    fn run_with(self, control: &Arc<Control>) -> Result<()> {
+    fn run_with(mut self, control: &Arc<Control>) -> Result<()> {
+        self.request.input = source::scanned(self.request.input)?;
         let out = self.out.as_deref().filter(|_| !self.explain);
         if let Some(out) = out {
             report::check_inputs(out, &self.request)?;

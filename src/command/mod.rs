@@ -16,6 +16,7 @@ mod plot;
 mod progress;
 mod sample;
 mod samplers;
+mod scan;
 mod selftest;
 
 use std::process::ExitCode;
@@ -36,7 +37,10 @@ pub(crate) struct Arguments {
 /// The command line as clap knows it, with the rules of the table of settings.
 pub(crate) fn interface() -> clap::Command {
     let dress = pairwave::request::dress;
-    let command = Arguments::command().mut_subcommand("analyze", dress).mut_subcommand("integrate", dress);
+    let command = Arguments::command()
+        .mut_subcommand("analyze", dress)
+        .mut_subcommand("integrate", dress)
+        .mut_subcommand("scan", dress);
     command.arg(config::argument())
 }
 
@@ -51,6 +55,8 @@ pub(crate) enum Command {
     Convergence(Box<convergence::Convergence>),
     /// Make one result of the parts of a batch
     Merge(merge::Merge),
+    /// Look at the files of a batch once, for parts of it that are measured anywhere
+    Scan(Box<scan::Asked>),
     /// Test whether results differ, value by value and over all of them
     Compare(compare::Compare),
     /// Draw results again, several in one figure, without computing
@@ -81,6 +87,7 @@ impl Command {
             Self::Analyze(analyze) => analyze.run(),
             Self::Integrate(integrate) => integrate.run(),
             Self::Convergence(convergence) => convergence.run(),
+            Self::Scan(scan) => scan.run(),
             Self::Merge(merge) => merge.run(),
             Self::Plot(plot) => plot.run(),
             Self::Sample(sample) => sample.run(),

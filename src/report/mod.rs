@@ -149,6 +149,27 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
     result_dir::check_out(&names(), dir, force)
 }
 
+/// Whether a file could be written, asked before the long work.
+///
+/// # Errors
+/// A file that is there already, without `force`; a place where there can be none.
+pub fn check_file(path: &Path, force: bool) -> Result<()> {
+    if path.symlink_metadata().is_ok() && !force || path.is_dir() {
+        let reason =
+            if path.is_dir() { "is a directory; expected a file" } else { "is there already; `force` replaces it" };
+        return Err(Error::setting(Setting::Out, path.display(), reason));
+    }
+    Ok(())
+}
+
+/// Writes a file whole, and its directory if there is none.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
+    plot::write(path, bytes, force)
+}
+
 /// Whether a result in `dir` would replace what a request reads, or lie among its points.
 ///
 /// # Errors

@@ -47,10 +47,16 @@ fn row(argument: &Arg) -> Option<&'static Row> {
     super::SETTINGS.iter().find(|row| row.setting.name() == argument.get_id().as_str())
 }
 
-/// A command that flattens a [`Request`], with the rules, headings and defaults of the table of settings.
+/// A command that flattens a [`Request`] or its points, with the rules, headings and defaults of the table of settings.
 pub fn dress(command: Command) -> Command {
+    let there: Vec<String> = command.get_arguments().map(|argument| argument.get_id().to_string()).collect();
+    let is_there = |setting: &Setting| there.iter().any(|id| id == setting.name());
     command.mut_args(|argument| match row(&argument) {
-        Some(row) => dressed(argument, row),
+        Some(row) => {
+            let conflicts = row.conflicts.iter().filter(|other| is_there(other)).map(|other| other.name());
+            let needs = row.needs.filter(|other| is_there(other)).map(Setting::name);
+            dressed(argument, row).conflicts_with_all(conflicts).requires_all(needs)
+        }
         None => {
             let long = explained(&argument);
             argument.long_help(long)
@@ -80,8 +86,6 @@ fn dressed(argument: Arg, row: &Row) -> Arg {
         .hide_short_help(!row.usual)
         // They are in the long help, and would fill the short one.
         .hide_possible_values(!row.is_switch())
-        .conflicts_with_all(row.conflicts.iter().map(|s| s.name()))
-        .requires_all(row.needs.map(Setting::name))
 }
 
 /// Values with what they mean, as clap lists them.

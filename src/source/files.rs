@@ -14,11 +14,21 @@ use crate::points::{Domain, Ensemble};
 pub(super) struct Files {
     /// Each with the index of its first realization.
     pub(super) files: Vec<(u64, PointFile)>,
+    /// What they were when they were scanned; none where this run has looked at all of them itself.
+    pub(super) stamps: Vec<Stamp>,
     pub(super) options: ReadOptions,
     pub(super) columns: Columns,
     pub(super) marks: Marking,
     /// The file that was read last, if it was read at once.
     pub(super) last: Mutex<Option<(usize, Arc<Vec<MarkedPoints>>)>>,
+}
+
+/// By what a file is known to be the one that it was.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(super) struct Stamp {
+    pub(super) bytes: u64,
+    /// When it was changed last, in whole seconds since 1970.
+    pub(super) modified_s: u64,
 }
 
 /// What points are marked with, and folded by.
@@ -39,6 +49,15 @@ impl Files {
         let mut sets = Vec::new();
         for (k, (first, file)) in self.files.iter().enumerate().skip(at).take_while(|(_, f)| f.0 < range.end) {
             control.check()?;
+            if let Some(then) =
+                self.stamps.get(k).filter(|then| Stamp::of(file.path()).as_ref().is_ok_and(|now| now != *then))
+            {
+                let reason = format!(
+                    "is not the file that was scanned, of {} bytes; expected it as it was, or a new scan",
+                    then.bytes
+                );
+                return Err(Error::input(file.path().display().to_string(), reason));
+            }
             let end = self.files.get(k + 1).map_or(range.end, |next| next.0).min(range.end);
             let within = range.start.max(*first) - first..end - first;
             match file {

@@ -228,6 +228,7 @@ impl<'a> FirstPass<'a> {
             shape: EnsembleShape::of(&sizes),
             identity,
             prefixes,
+            sizes: sizes.chunk_by(|a, b| a == b).map(|run| [run.len() as u64, run[0]]).collect(),
             classes: names,
             weights,
             fewest: sizes.iter().copied().min().unwrap_or(0),

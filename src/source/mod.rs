@@ -6,6 +6,7 @@ mod first_pass;
 mod intensity;
 mod precision;
 mod remarks;
+mod scan;
 mod weights;
 
 use std::ops::Range;
@@ -20,6 +21,7 @@ pub use all_axes::AllAxes;
 use files::Files;
 use first_pass::FirstPass;
 use intensity::Intensity;
+pub use scan::{Scan, scanned};
 use weights::Weights;
 
 use crate::control::Control;
@@ -44,6 +46,8 @@ pub struct Points {
     identity: Value,
     /// Of files, the digest of the first realization, the first two, ...
     prefixes: Vec<u128>,
+    /// Of files, realizations and points of each, in runs of equally many.
+    sizes: Vec<[u64; 2]>,
     classes: Vec<String>,
     weights: Weights,
     /// What they are weighted by the inverse of.
@@ -145,7 +149,10 @@ impl Points {
         if request.files.is_empty() {
             return Err(Error::setting(Setting::Files, "(none)", "expected point files, or `sampler` NAME `points` N"));
         }
-        Self::files_with(request, MEMORY_BUDGET, control)
+        match Self::of_scan(request)? {
+            Some(points) => Ok(points),
+            None => Self::files_with(request, MEMORY_BUDGET, control),
+        }
     }
 
     /// The same where files are held in memory up to `budget` bytes, and read again when they are needed beyond that.
@@ -221,7 +228,15 @@ impl Points {
             [one, ..] => format!("{one} and {} more", names.len() - 1),
             [] => String::new(),
         };
-        pass.finish(subject, held, |marks| Files { files, options, columns, marks, last: Mutex::default() }).map(Ok)
+        pass.finish(subject, held, |marks| Files {
+            files,
+            stamps: Vec::new(),
+            options,
+            columns,
+            marks,
+            last: Mutex::default(),
+        })
+        .map(Ok)
     }
 
     /// Points in the bytes of a file, which `name` is the name of: its end tells apart what the bytes do not.
@@ -235,7 +250,8 @@ impl Points {
         let mut pass = FirstPass::new(request)?;
         pass.see(&sets)?;
         pass.remarks.input.files = 1;
-        let nothing = |marks| Files { files: Vec::new(), options, columns, marks, last: Mutex::default() };
+        let nothing =
+            |marks| Files { files: Vec::new(), stamps: Vec::new(), options, columns, marks, last: Mutex::default() };
         pass.finish(name.to_string(), Some(sets), nothing)?.with_intensity(request, &Control::default())
     }
 
@@ -277,6 +293,7 @@ impl Points {
             shape: ensemble.shape(),
             identity: json!({ "points": digest(&ensemble) }),
             prefixes: Vec::new(),
+            sizes: Vec::new(),
             classes: Vec::new(),
             weights: Weights::of(&ensemble),
             intensity: None,
@@ -319,6 +336,7 @@ impl Points {
             shape,
             identity: json!({ "sampler": name, "n": n, "dim": dim, "seed": seed, "parameters": parameters }),
             prefixes: Vec::new(),
+            sizes: Vec::new(),
             classes: Vec::new(),
             weights: Weights::default(),
             intensity: None,
@@ -339,6 +357,7 @@ impl Points {
             shape,
             identity,
             prefixes: Vec::new(),
+            sizes: Vec::new(),
             classes: Vec::new(),
             weights: Weights::default(),
             intensity: None,
@@ -366,6 +385,7 @@ impl Points {
             shape,
             identity,
             prefixes: Vec::new(),
+            sizes: Vec::new(),
             classes,
             weights: Weights::default(),
             intensity: found.map(Intensity::of_elsewhere),

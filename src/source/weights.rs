@@ -3,7 +3,7 @@
 use crate::points::Ensemble;
 
 /// What must be known of all weights before any is used.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Weights {
     /// The largest magnitude.
     pub(super) largest: f64,

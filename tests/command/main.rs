@@ -23,6 +23,7 @@ mod power_spectrum;
 mod reads;
 mod request;
 mod results;
+mod scan;
 mod shared;
 mod survey;
 mod taper;

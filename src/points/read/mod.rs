@@ -112,10 +112,18 @@ pub(crate) enum PointFile {
 const PIECE: u64 = 64 << 20;
 
 impl PointFile {
-    fn open(path: PathBuf, options: &ReadOptions, columns: &Columns) -> Self {
+    pub(crate) fn open(path: PathBuf, options: &ReadOptions, columns: &Columns) -> Self {
         let in_rows = options.raw.is_none() && columns.realization.is_none() && !is_stdin(&path);
         let rows = in_rows.then(|| npy::Rows::open(&path, columns)).flatten();
         rows.map_or(Self::Whole(path), Self::Rows)
+    }
+
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        match self {
+            Self::Whole(path) => path,
+            Self::Rows(rows) => rows.path(),
+        }
     }
 
     /// Whether it can be read again.

@@ -110,6 +110,11 @@ pub(crate) struct Rows {
 const BLOCK: usize = 1 << 16;
 
 impl Rows {
+    /// Where they are.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// `None` for what is another file or array, or a damaged one: `read` says what is wrong with it.
     pub(super) fn open(path: &Path, columns: &Columns) -> Option<Self> {
         const FRONT: u64 = 1 << 17;

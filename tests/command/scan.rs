@@ -1,0 +1,84 @@
+//! One look at the files of a batch, for parts of it. Cannot see: files that change within a second to others of the same size.
+
+use crate::shared::{Scratch, summary};
+
+fn numbers(scratch: &Scratch, dir: &str) -> Vec<Vec<u8>> {
+    ["pcf.csv", "spectrum.npy", "spectrum_radial.csv"]
+        .map(|file| std::fs::read(scratch.path(dir).join(file)).unwrap())
+        .into()
+}
+
+#[test]
+fn parts_of_a_scanned_batch_read_their_own_files_only() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("runs")).unwrap();
+    for k in 0..40 {
+        scratch.ok(&format!("sample random -n {} -k 1 --seed {k} --quiet --out runs/{k:02}.csv", 50 + k / 20));
+    }
+    let run = "--stats pcf,spectrum --device cpu --quiet";
+    scratch.ok(&format!("analyze runs {run} --out whole"));
+    scratch.ok("scan runs --out batch.scan");
+    scratch.fails("scan runs --out batch.scan", 2, "batch.scan: is there already; --force replaces it");
+    // The first part needs none of the last files.
+    for k in 32..40 {
+        std::fs::rename(scratch.path(&format!("runs/{k}.csv")), scratch.path(&format!("{k}.csv"))).unwrap();
+    }
+    scratch.ok(&format!("analyze batch.scan {run} --shard 1/2 --out parts/1"));
+    scratch.fails(&format!("analyze batch.scan {run} --shard 2/2 --out parts/2"), 1, "32.csv");
+    for k in 32..40 {
+        std::fs::rename(scratch.path(&format!("{k}.csv")), scratch.path(&format!("runs/{k}.csv"))).unwrap();
+    }
+    scratch.ok(&format!("analyze batch.scan {run} --shard 2/2 --resume --out parts/2"));
+    scratch.ok("merge parts/1 parts/2 --quiet --out merged");
+    assert!(numbers(&scratch, "whole") == numbers(&scratch, "merged"));
+    assert_eq!(
+        (&summary(&scratch.path("merged"))["k"], &summary(&scratch.path("merged"))["n"]["max"]),
+        (&40.into(), &51.into())
+    );
+    // The whole by the scan, and parts of the files themselves, are of the same measurement.
+    scratch.ok(&format!("analyze batch.scan {run} --out scanned"));
+    assert!(numbers(&scratch, "whole") == numbers(&scratch, "scanned"));
+    scratch.ok(&format!("analyze runs {run} --shard 2/2 --out parts/3"));
+    scratch.ok("merge parts/1 parts/3 --quiet --out mixed");
+    assert!(numbers(&scratch, "whole") == numbers(&scratch, "mixed"));
+    // A file that was changed since.
+    std::fs::write(scratch.path("runs/07.csv"), "0.5,0.5\n").unwrap();
+    scratch.fails(&format!("analyze batch.scan {run} --out changed"), 1, "07.csv: is not the file that was scanned");
+}
+
+#[test]
+fn settings_by_which_files_were_read_are_those_of_the_scan() {
+    let scratch = Scratch::new();
+    scratch.file("a.csv", "x,y,kind,w\n0.1,0.2,a,1\n0.5,0.5,b,2\n0.9,0.3,a,1\n0.4,0.8,b,3\n");
+    scratch.file("b.csv", "x,y,kind,w\n0.2,0.2,b,5\n0.6,0.5,b,2\n0.8,0.3,a,1\n0.3,0.8,c,4\n");
+    let run = "--stats pcf --r-max 0.4 --bins 8 --classes a,b --device cpu --quiet";
+    scratch.ok(&format!("analyze a.csv b.csv --class-column kind --window 0,1,0,2 {run} --out whole"));
+    scratch.ok("scan a.csv b.csv --class-column kind --window 0,1,0,2 --quiet --out ab.scan");
+    scratch.ok(&format!("analyze ab.scan {run} --out scanned"));
+    let read = |dir: &str| std::fs::read(scratch.path(dir).join("pcf_cross.csv")).unwrap();
+    assert!(read("whole") == read("scanned"));
+    assert_eq!(summary(&scratch.path("scanned"))["parameters"]["class-column"], "kind");
+    scratch.fails(
+        &format!("analyze ab.scan --window 0,1,0,1 {run} --out other"),
+        2,
+        "--window 0,1,0,1: ab.scan was read with 0,1,0,2; expected that, or none",
+    );
+    scratch.fails(
+        &format!("analyze ab.scan --weight-column w {run} --out other"),
+        2,
+        "--weight-column w: ab.scan was read without it; scan again with it",
+    );
+    // The scale of weights is that of all files.
+    scratch.ok("scan a.csv b.csv --weight-column w --quiet --out w.scan");
+    scratch.ok("analyze a.csv b.csv --weight-column w --stats pcf --device cpu --quiet --out weighted");
+    scratch.ok("analyze w.scan --stats pcf --device cpu --quiet --out weighted_scan");
+    let read = |dir: &str| std::fs::read(scratch.path(dir).join("pcf.csv")).unwrap();
+    assert!(read("weighted") == read("weighted_scan"));
+    scratch.fails("scan --sampler random -n 4 --out s.scan", 2, "samplers need no scan");
+    scratch.fails("scan nowhere.csv --out s.scan", 1, "nowhere.csv");
+    let text = std::fs::read_to_string(scratch.path("ab.scan")).unwrap();
+    scratch.file("cut.scan", &text[..text.len() / 2]);
+    scratch.fails("analyze cut.scan --device cpu", 1, "cut.scan: is no whole scan");
+    scratch.file("old.scan", &text.replacen("{\"pairwave_scan\":1", "{\"pairwave_scan\":9", 1));
+    scratch.fails("analyze old.scan --device cpu", 1, "is of version 9 of scans; this program reads version 1");
+}
