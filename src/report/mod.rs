@@ -3,6 +3,7 @@
 //! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
 //! `report.html` only.
 
+mod columns;
 mod headline;
 mod html;
 mod integrand_picture;
@@ -176,7 +177,7 @@ pub fn write_with(dir: &Path, analysis: &Analysis, sums: Option<&[u8]>, force: b
         if let Some(sums) = sums {
             files.add(SUMS, |file| file.write_all(sums));
         }
-        files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).as_bytes()));
+        files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).map_err(io::Error::other)?.as_bytes()));
         let names = files.names().into_iter().chain([SUMMARY]).collect();
         files.add(SUMMARY, |file| file.write_all(&summary::json(analysis, names).map_err(io::Error::other)?));
     })

@@ -25,7 +25,7 @@ mod table;
 pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
-pub(crate) use output::{Array, Bar, Image, Make, Map, Output, Place, Shown, Svg, Turn, Values};
+pub(crate) use output::{Array, At, Bar, Cells, Image, Make, Map, Output, Place, Shown, Steps, Svg, Turn, Values};
 pub(crate) use table::Table;
 
 use crate::error::Result;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{Survey, View};
 use crate::accumulate::DISCREPANCIES;
 use crate::display::escape;
-use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, ORANGE, PURPLE, Rgb, SKY, Stroke, VERMILION};
+use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, ORANGE, Of, PURPLE, Rgb, SKY, Stroke, VERMILION};
 use crate::report;
 
 /// Curves that a figure of spectra has at most: more cannot be told apart.
@@ -23,7 +23,7 @@ pub(super) fn svgs(survey: &Survey, scalars: &'static str, radial: &'static str)
 }
 
 fn line(name: String, color: Rgb, points: Vec<(f64, f64)>) -> Layer {
-    Layer::Line { name, color, width: 2.0, stroke: Stroke::Solid, runs: vec![points] }
+    Layer::Line { name, color, width: 2.0, stroke: Stroke::Solid, runs: vec![points], of: Of::Points }
 }
 
 /// Discrepancies, least distance and covering radius, on logarithmic scales.
@@ -52,6 +52,7 @@ fn scalars(survey: &Survey) -> Option<Figure> {
         log_y: true,
         top: None,
         layers: layers.collect(),
+        numbers: None,
     })
 }
 
@@ -87,5 +88,6 @@ fn radial(survey: &Survey) -> Option<Figure> {
         log_y: false,
         top: None,
         layers: std::iter::once(level).chain(lines).collect(),
+        numbers: None,
     })
 }
