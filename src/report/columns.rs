@@ -36,7 +36,7 @@ pub(crate) struct Place {
 
 impl Columns {
     /// Reads a CSV file of these bytes.
-    pub(super) fn read(path: PathBuf, text: &[u8]) -> Result<Self> {
+    pub(crate) fn read(path: PathBuf, text: &[u8]) -> Result<Self> {
         let mut reader = csv::Reader::from_reader(text);
         let broken = |e: csv::Error| {
             let line = e.position().map_or(String::new(), |position| format!(":{}", position.line()));

@@ -23,7 +23,9 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub(crate) use columns::Columns;
 pub use headline::headline;
+pub(crate) use html::{Numbers, Page};
 pub use integrand_picture::draw_integrands;
 pub(crate) use plot::Stored;
 pub use plot::{Format, Plot, Plotted};
@@ -41,7 +43,7 @@ use crate::request::Request;
 use crate::setting::Setting;
 
 /// The page, and what marks a result.
-const PAGE: &str = "report.html";
+pub(crate) const PAGE: &str = "report.html";
 const SUMMARY: &str = "summary.json";
 
 /// The raw sums of a result, or of a run that is not over.

@@ -143,11 +143,9 @@ impl Page {
                 data::Values::Cells(other, place) if *other == k => Some(place.x.clone()),
                 _ => None,
             };
-            if table.page.is_none() {
-                let x = of.curves.iter().find_map(abscissa).unwrap_or_default();
-                self.tables.push(Sheet::new(table.name, table.columns, &x, of.x_factor, of.figure)?);
-            }
-            numbers.push(table.page.unwrap_or(self.tables.len() - 1));
+            let x = of.curves.iter().find_map(abscissa).unwrap_or_default();
+            let px = |row| Some(svg::place_of(of.figure, table.columns.abscissa(row, &x)? / of.x_factor));
+            numbers.push(self.sheet(table, px)?);
         }
         let sheets: Vec<_> = numbers.iter().map(|&number| (number, &self.tables[number])).collect();
         let json = data::figure(of.figure, of.groups.is_some(), of.x_factor, of.curves, &sheets);
@@ -156,16 +154,65 @@ impl Page {
         Ok(numbers)
     }
 
+    /// A figure of curves that say where their numbers stand in its table. The number of that in the page.
+    ///
+    /// # Errors
+    /// What cannot be drawn.
+    pub(crate) fn drawn(
+        &mut self,
+        name: &str,
+        figure: &Figure,
+        table: Option<Numbers<'_>>,
+        caption: &str,
+    ) -> Result<Option<usize>, Box<dyn std::error::Error + Send + Sync>> {
+        let curves = data::curves(figure, table.as_ref().map(|table| table.columns));
+        let tables: Vec<_> = table.into_iter().collect();
+        let x_factor = figure.numbers.map_or(1.0, |numbers| numbers.x_factor);
+        let all = Curves { name, figure, curves: &curves, tables: &tables, x_factor, groups: None, caption };
+        Ok(self.curves(&all)?.first().copied())
+    }
+
     /// A picture, as an `img` or `svg` element, with what stands below it, a caption, and the values behind it: each with the turn of its
     /// element among those of pictures.
-    pub(crate) fn picture(&mut self, name: &str, html: &str, below: &str, caption: &str, cells: &[(usize, &Cells)]) {
-        let json = (!cells.is_empty()).then(|| data::cells(cells));
+    ///
+    /// # Errors
+    /// A table that cannot be written.
+    pub(crate) fn picture(
+        &mut self,
+        name: &str,
+        [html, below, caption]: [&str; 3],
+        cells: &[(usize, &Cells)],
+        tables: &[Numbers<'_>],
+    ) -> std::io::Result<()> {
+        let tables = tables.iter().map(|table| self.sheet(table, |_| None)).collect::<std::io::Result<Vec<_>>>()?;
+        let json = (!cells.is_empty() || !tables.is_empty()).then(|| data::cells(cells, &tables));
         self.figure(name, html, below, caption, json);
+        Ok(())
+    }
+
+    /// The number of a table in the page.
+    fn sheet(&mut self, table: &Numbers<'_>, px: impl Fn(usize) -> Option<f64>) -> std::io::Result<usize> {
+        if let Some(number) = table.page {
+            return Ok(number);
+        }
+        self.tables.push(Sheet::new(table.name, table.columns, px)?);
+        Ok(self.tables.len() - 1)
+    }
+
+    /// What is seen when it is asked for.
+    pub(crate) fn folded(&mut self, summary: &str, fill: impl FnOnce(&mut Self)) {
+        let _ = writeln!(self.body, "<details><summary>{summary}</summary>");
+        fill(self);
+        self.html("</details>\n");
     }
 
     fn figure(&mut self, name: &str, drawn: &str, below: &str, caption: &str, json: Option<Value>) {
         // The policy admits no style of an element; that of pictures is in the sheet.
-        let drawn = drawn.replace(" style=\"image-rendering: pixelated\"", "");
+        let mut drawn = drawn.replace(" style=\"image-rendering: pixelated\"", "");
+        if !drawn.contains("role=\"img\"") {
+            drawn =
+                drawn.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", name.replace('_', " ")), 1);
+        }
         let _ = write!(
             self.body,
             "<figure id=\"{name}\"><div class=\"picture\"><div class=\"stage\">{drawn}</div></div>\n{below}<figcaption>{caption}</figcaption></figure>\n"

@@ -11,16 +11,17 @@ const STRIPS: u32 = 128;
 /// A bar of colours with its values, in HTML. It is as wide as there is room, its text always as large.
 pub(in crate::report) fn color_bar(bar: &Bar) -> String {
     match bar {
-        Bar::Sequential(ticks) => scale(ColorMap::Viridis, ticks),
+        Bar::Sequential(ticks) => scale(ColorMap::Viridis, ticks, ["middle"; 2]),
         Bar::AboutOne(range) => {
             let [low, high] = range.map(human);
             let low = if range[0] == 0.0 { low } else { format!("≤ {low}") };
-            scale(ColorMap::BlueRed, &[(0.0, low), (0.5, "g = 1".into()), (1.0, format!("≥ {high}"))])
+            scale(ColorMap::BlueRed, &[(0.0, low), (0.5, "g = 1".into()), (1.0, format!("≥ {high}"))], ["start", "end"])
         }
     }
 }
 
-fn scale(colors: ColorMap, ticks: &[(f64, String)]) -> String {
+/// `anchors`: how labels at the two ends stand.
+fn scale(colors: ColorMap, ticks: &[(f64, String)], anchors: [&str; 2]) -> String {
     let values: Vec<_> = ticks.iter().map(|(_, label)| escape(&untagged(label))).collect();
     let mut svg = format!("<svg class=\"scale\" role=\"img\" aria-label=\"Colours from {}\">", values.join(", "));
     let width = 100.0 / f64::from(STRIPS);
@@ -31,12 +32,10 @@ fn scale(colors: ColorMap, ticks: &[(f64, String)]) -> String {
         let _ = write!(svg, "<rect x=\"{x:.3}%\" width=\"{wide:.3}%\" height=\"12\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>");
     }
     for ((at, _), label) in ticks.iter().zip(values) {
-        let anchor = if *at < 0.02 {
-            "start"
-        } else if *at > 0.98 {
-            "end"
-        } else {
-            "middle"
+        let anchor = match *at {
+            0.0 => anchors[0],
+            1.0 => anchors[1],
+            _ => "middle",
         };
         let _ = write!(svg, "<text x=\"{:.2}%\" y=\"28\" text-anchor=\"{anchor}\">{label}</text>", 100.0 * at);
     }

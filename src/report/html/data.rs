@@ -10,7 +10,7 @@ use super::super::columns::{Columns, Place};
 use super::super::svg;
 use crate::display::figure::{Figure, Layer, Of, Rgb, Stroke};
 use crate::display::untagged;
-use crate::statistics::{At, Cells};
+use crate::statistics::{At, Cells, cell};
 
 /// Rows of a table that are shown. Of one with more than twice as many the page has only these, and of the others one for each px
 /// of the figure.
@@ -59,13 +59,13 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// Of a table with the name of its file, drawn in a figure over its abscissae divided by a factor.
-    pub(super) fn new(name: &str, table: &Columns, x: &[usize], factor: f64, figure: &Figure) -> io::Result<Self> {
+    /// Of a table with the name of its file, whose rows stand in a figure at these px, if they do.
+    pub(super) fn new(name: &str, table: &Columns, px: impl Fn(usize) -> Option<f64>) -> io::Result<Self> {
         let rows = table.len();
-        let mut last = f64::NAN;
+        let mut last = None;
         let new_px = |row: &usize| {
-            let x = table.abscissa(*row, x).map_or(f64::NAN, |x| svg::place_of(figure, x / factor).round());
-            std::mem::replace(&mut last, x) != x
+            let px = px(*row).map(f64::round);
+            std::mem::replace(&mut last, px) != px
         };
         let kept: Vec<usize> = match rows {
             _ if rows <= 2 * FIRST => (0..rows).collect(),
@@ -101,8 +101,12 @@ pub(super) fn figure(
         });
         match &curve.values {
             Values::Points(points) => {
-                let shown = |x: f64| format!("{:?}", x + 0.0);
-                all["points"] = points.iter().map(|&(x, y)| json!([shown(x), shown(y)])).collect();
+                let px = |point: &(f64, f64)| svg::place_of(figure, point.0).round();
+                let mut kept = points.clone();
+                if kept.len() > 2 * FIRST {
+                    kept.dedup_by(|b, a| px(a) == px(b));
+                }
+                all["points"] = kept.into_iter().map(|(x, y)| json!([cell(x), cell(y)])).collect();
             }
             Values::Cells(table, place) => {
                 all["table"] = json!(table);
@@ -127,7 +131,7 @@ pub(super) fn figure(
 }
 
 /// Pictures: each its element among those of the figure, and its values.
-pub(super) fn cells(all: &[(usize, &Cells)]) -> Value {
+pub(super) fn cells(all: &[(usize, &Cells)], tables: &[usize]) -> Value {
     let steps = |at: &At| match at {
         At::Even { first, step, count, each } => json!({ "first": first, "step": step, "count": count, "each": each }),
         At::Named(names) => json!({ "names": names, "count": names.len() }),
@@ -145,12 +149,13 @@ pub(super) fn cells(all: &[(usize, &Cells)]) -> Value {
             "values": values,
         })
     };
-    json!({ "cells": all.iter().map(one).collect::<Vec<_>>() })
+    json!({ "cells": all.iter().map(one).collect::<Vec<_>>(), "tables": tables })
 }
 
 /// Values as text: their digits, and their bytes in base 64. Of what is its own image about its centre, as P is, the first half.
 fn packed(values: &[f64]) -> (u32, String) {
-    let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+    // The two of a pair were summed apart and may differ by rounding.
+    let same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9 * a.abs() || a.is_nan() && b.is_nan();
     let mirrored = values.iter().zip(values.iter().rev()).all(same);
     let kept = if mirrored { &values[..values.len().div_ceil(2)] } else { values };
     let (digits, bytes): (u32, Vec<u8>) = if kept.len() <= SINGLE {

@@ -7,7 +7,8 @@ mod data;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-pub(super) use builder::{Curves, Numbers, Page};
+pub(super) use builder::Curves;
+pub(crate) use builder::{Numbers, Page};
 pub(super) use color_bar::color_bar;
 pub(super) use data::{Curve, Values};
 
@@ -164,27 +165,15 @@ fn figures(page: &mut Page, a: &Analysis, pictures: &BTreeMap<&'static str, Pict
             let name = output.name.split('.').next().unwrap_or(output.name);
             let Some(figure) = &picture.figure else {
                 let cells: Vec<_> = picture.cells.iter().map(|(element, cells)| (*element, cells)).collect();
-                page.picture(name, &picture.html, &picture.below, &caption, &cells);
+                page.picture(name, [&picture.html, &picture.below, &caption], &cells, &[])?;
                 continue;
             };
-            let read = |table: &'static str| -> Result<Option<(&str, Columns)>> {
-                let bytes = outputs::bytes(table, a)?;
-                Ok(bytes
-                    .map(|bytes| Columns::read(PathBuf::from(table), &bytes))
-                    .transpose()?
-                    .map(|read| (table, read)))
-            };
-            let table = figure.numbers.map(|numbers| read(numbers.table)).transpose()?.flatten();
-            let curves = data::curves(figure, table.as_ref().map(|(_, columns)| columns));
-            let numbers: Vec<_> = table
-                .iter()
-                .map(|(name, columns)| Numbers { name, columns, page: tables.get(name).copied() })
-                .collect();
-            let x_factor = figure.numbers.map_or(1.0, |numbers| numbers.x_factor);
-            let found =
-                Curves { name, figure, curves: &curves, tables: &numbers, x_factor, groups: None, caption: &caption };
-            let numbered = page.curves(&found)?;
-            tables.extend(table.iter().map(|(name, _)| *name).zip(numbered));
+            let table = figure.numbers.map(|numbers| numbers.table);
+            let read = table.map(|table| outputs::bytes(table, a)).transpose()?.flatten();
+            let read = table.zip(read).map(|(table, bytes)| Columns::read(PathBuf::from(table), &bytes)).transpose()?;
+            let numbers = |(name, columns)| Numbers { name, columns, page: tables.get(name).copied() };
+            let number = page.drawn(name, figure, table.zip(read.as_ref()).map(numbers), &caption)?;
+            tables.extend(table.zip(number));
         }
     }
     Ok(())

@@ -95,7 +95,7 @@ addEventListener('DOMContentLoaded', () => {
     const rows = table.all.slice(0, table.first).map(row => element('tr', {}, ...row.map(cell => element('td', { textContent: cell }))));
     const made = element('table', { className: 'grid' }, element('thead', {}, head), element('tbody', {}, ...rows));
     const around = element('div', { className: 'rows', tabIndex: 0 }, made);
-    around.setAttribute('role', 'region');
+    around.setAttribute('role', 'group');
     around.setAttribute('aria-label', `Numbers of ${table.name}`);
     return around;
   }
@@ -153,6 +153,7 @@ addEventListener('DOMContentLoaded', () => {
     over.addEventListener('pointerdown', move);
     over.addEventListener('pointerleave', event => { if (event.pointerType === 'mouse' && document.activeElement !== over) left(); });
     over.addEventListener('blur', left);
+    addEventListener('resize', left);
     over.addEventListener('keydown', event => {
       if (event.altKey || event.ctrlKey || event.metaKey) return;
       if (event.key === 'Escape') left();
@@ -270,7 +271,6 @@ addEventListener('DOMContentLoaded', () => {
         refreshed();
       });
     }
-    data.tables.forEach(number => figure.append(details(number)));
   }
 
   // ---- Pictures ----
@@ -361,7 +361,8 @@ addEventListener('DOMContentLoaded', () => {
   for (const figure of document.querySelectorAll('figure[id]')) {
     const data = stored(`data-${figure.id}`);
     if (data?.curves) curvesOf(figure, data);
-    if (data?.cells) picturesOf(figure, data);
+    if (data?.cells?.length) picturesOf(figure, data);
+    data?.tables.forEach(number => figure.append(details(number)));
   }
 
   // What is wider than its place can be scrolled by keys too.

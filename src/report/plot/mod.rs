@@ -1,5 +1,6 @@
 //! Figures drawn again from the tables of results, one curve per result: nothing is computed.
 
+mod headlines;
 mod page;
 #[cfg(feature = "print")]
 mod print;

@@ -7,6 +7,7 @@ use std::path::{Component, Path};
 
 use serde_json::Value as Json;
 
+use super::headlines::headlines;
 use super::{Look, Overlay, Stored};
 use crate::display::figure::{Layer, Rgb, Stroke};
 use crate::display::{escape, human};
@@ -59,7 +60,7 @@ pub(super) fn page(
     let summaries: Vec<&Json> = results.iter().map(Stored::summary).collect();
     let named: Vec<String> = std::iter::once(String::new()).chain(labels.iter().map(|label| escape(label))).collect();
     let parameters = side_by_side(&summaries, |key| key.starts_with("parameters.") && key != "parameters.command");
-    let numbers = side_by_side(&summaries, |key| !NO_NUMBERS.iter().any(|no| key.split('.').next() == Some(no)));
+    let all = side_by_side(&summaries, |key| !NO_NUMBERS.iter().any(|no| key.split('.').next() == Some(no)));
     let (same, differing): (Vec<_>, Vec<_>) = parameters.into_iter().partition(|row| alike(&row[1..]));
     let short = |rows: Vec<Vec<String>>| -> Vec<Vec<String>> {
         let name = |row: &mut Vec<String>| row[0] = row[0].trim_start_matches("parameters.").into();
@@ -72,10 +73,13 @@ pub(super) fn page(
             false => page.table("Parameters that differ", &named, &short(differing)),
         }
     }
-    if !numbers.is_empty() {
+    let first = headlines(results);
+    if !first.is_empty() {
         page.section("Numbers side by side");
-        page.paragraph(&format!("Keys of {SUMMARY} in every directory, which has all digits."));
-        page.table("Numbers side by side", &named, &numbers);
+        page.table("Numbers side by side", &named, &first);
+    }
+    if !all.is_empty() {
+        page.folded(&format!("All numbers of {SUMMARY}"), |page| page.table("All numbers", &named, &all));
     }
 
     page.section("Figures");

@@ -9,8 +9,7 @@ use crate::estimate::{Analysis, Normalization, VectorCorrelation};
 use crate::plan::Correction;
 use crate::statistics::axes;
 use crate::statistics::layers::half_turn;
-use crate::statistics::table::cell;
-use crate::statistics::{At, Bar, Cells, Image, Steps};
+use crate::statistics::{At, Bar, Cells, Image, Steps, cell};
 
 /// Pixels a panel is magnified towards, by a whole factor.
 const TARGET: f64 = 640.0;
