@@ -219,14 +219,15 @@ impl Tab<'_> {
         self.events.iter().filter_map(fault).collect()
     }
 
-    /// What axe-core finds against accessibility.
-    pub fn violations(&mut self) -> Vec<String> {
+    /// What axe-core finds against accessibility, of all rules or some.
+    pub fn violations(&mut self, rules: &str) -> Vec<String> {
         if self.js("typeof axe") == "undefined" {
             self.js(include_str!("axe/axe.min.js"));
         }
-        let found = self
-            .js("axe.run(document, { resultTypes: ['violations'] }).then(found => found.violations.flatMap(v =>
-               v.nodes.map(n => `${v.id}: ${n.target} ${n.failureSummary}`)))");
+        let found = self.js(&format!(
+            "axe.run(document, {{ {rules}resultTypes: ['violations'] }}).then(found => found.violations.flatMap(v =>
+               v.nodes.map(n => `${{v.id}}: ${{n.target}} ${{n.failureSummary}}`)))"
+        ));
         found.as_array().unwrap().iter().map(|v| v.as_str().unwrap().to_string()).collect()
     }
 

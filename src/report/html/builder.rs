@@ -113,7 +113,13 @@ impl Page {
             self.body,
             "<div class=\"table\"><table class=\"grid\" data-copy=\"\" aria-label=\"{label}\">\n<thead><tr>"
         );
-        header.iter().for_each(|cell| _ = write!(self.body, "<th scope=\"col\">{cell}</th>"));
+        for cell in header {
+            // A header without words is none.
+            let _ = match cell.as_str() {
+                "" => write!(self.body, "<td></td>"),
+                cell => write!(self.body, "<th scope=\"col\">{cell}</th>"),
+            };
+        }
         self.html("</tr></thead>\n<tbody>\n");
         for row in rows {
             self.html("<tr>");
