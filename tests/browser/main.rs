@@ -83,20 +83,15 @@ fn pages(scratch: &Scratch) -> Vec<PathBuf> {
         format!(
             "analyze trees.csv --window-polygon plot.wkt --class-column kind --stats pcf,k-function,neighbors {small} classes"
         ),
-        format!(
-            "analyze --sampler jittered -n 16 -k 8 --stats covariance --covariance-frequency 3 --device cpu --quiet --out covariance"
-        ),
-        format!(
-            "integrate --sampler jittered -n 64 -k 4 --integrand disk --integrand gaussian:sigma=0.2 --max-frequency 12 --device cpu --quiet --out integral"
-        ),
+        "analyze --sampler jittered -n 16 -k 8 --stats covariance --covariance-frequency 3 --device cpu --quiet --out covariance".into(),
+        "integrate --sampler jittered -n 64 -k 4 --integrand disk --integrand gaussian:sigma=0.2 --max-frequency 12 --device cpu --quiet --out integral".into(),
     ];
     for line in &lines {
         scratch.ok(line);
     }
     scratch.ok("plot flat other --labels Cells,<None> --page pages/both.html");
-    scratch.ok(&format!("analyze --sampler sobol -n 64 -k 2 --dim 4 --device cpu --quiet --out pairs"));
-    scratch
-        .ok(&format!("analyze --sampler sobol -n 64 -k 2 --prefixes 8,16,32,64 --device cpu --quiet --out prefixes"));
+    scratch.ok("analyze --sampler sobol -n 64 -k 2 --dim 4 --device cpu --quiet --out pairs");
+    scratch.ok("analyze --sampler sobol -n 64 -k 2 --prefixes 8,16,32,64 --device cpu --quiet --out prefixes");
     let dirs = ["flat", "line", "space", "classes", "covariance", "integral", "pairs", "prefixes"];
     let reports = dirs.iter().map(|dir| scratch.path(dir).join("report.html"));
     reports.chain([scratch.path("pages/both.html")]).collect()

@@ -48,7 +48,9 @@ const OF_INTEGRANDS: [(&str, &str); 3] =
 pub(crate) fn headlines(results: &[Stored]) -> Vec<Vec<String>> {
     let number = |of: &Stored, key: &str| of.value(key).and_then(Json::as_f64);
     let row = |name: String, value: &dyn Fn(&Stored) -> Option<f64>, error: &dyn Fn(&Stored) -> Option<f64>| {
-        let cells = results.iter().map(|of| value(of).map_or(String::new(), |x| with_error(x, error(of))));
+        // An error that is rounding is none.
+        let shown = |of, x: f64| with_error(x, error(of).filter(|se| *se > 1e-12 * x.abs()));
+        let cells = results.iter().map(|of| value(of).map_or(String::new(), |x| shown(of, x)));
         let row: Vec<String> = std::iter::once(name).chain(cells).collect();
         row[1..].iter().any(|cell| !cell.is_empty()).then_some(row)
     };
