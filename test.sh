@@ -43,6 +43,12 @@ if [ "${PAIRWAVE_ALLOW_NO_DISPLAY:-}" != 1 ]; then
     done
     install_missing "a virtual X server and its libraries" PAIRWAVE_ALLOW_NO_DISPLAY "window test" $packages
 fi
+# Pages are opened in a browser.
+if [ "${PAIRWAVE_ALLOW_NO_BROWSER:-}" != 1 ]; then
+    browser=""
+    command -v chromium chromium-browser google-chrome google-chrome-stable >/dev/null || browser="chromium"
+    install_missing "a browser" PAIRWAVE_ALLOW_NO_BROWSER "browser tests" $browser
+fi
 # Mesa's device-select layer asks for this directory and complains on stderr without it.
 if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
     XDG_RUNTIME_DIR=$(mktemp -d) && export XDG_RUNTIME_DIR

@@ -183,6 +183,8 @@ settings! {
     Figures = "figures",
     /// Names of results in a legend.
     Labels = "labels",
+    /// The page that results are drawn into.
+    Page = "page",
     /// Range of an abscissa.
     RangeX = "range_x",
     /// Range of an ordinate.

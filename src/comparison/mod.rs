@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::report::{self, Asked, Columns, Stored};
 use crate::setting::Setting;
 use crate::statistics::Table;
-use crate::statistics::measured::{Cells, Column, MEASURED, Measured, number};
+use crate::statistics::measured::{Column, MEASURED, Measured, Written, number};
 
 /// The level of significance where none is asked for.
 pub const ALPHA: f64 = 0.01;
@@ -153,7 +153,7 @@ impl Comparison {
 
     /// Compares the tables of a name.
     fn tables(&mut self, with: usize, measured: &Measured, both: [&Columns; 2], freedom: [f64; 2]) -> Result<()> {
-        let [a, b] = both.map(Columns::cells);
+        let [a, b] = both.map(Columns::written);
         let keys = [&a, &b].map(|cells| places(measured, cells));
         let rows: HashMap<&str, usize> =
             keys[1].iter().enumerate().map(|(row, place)| (place.0.as_str(), row)).collect();
@@ -237,15 +237,18 @@ impl Comparison {
             .floats("p_adjusted", all.iter().map(|value| value.p_adjusted))
     }
 
-    /// Writes the table of every value and a summary into a directory.
+    /// Writes the table of every value, a page with all figures of the results over each other, and a summary into a directory.
     ///
     /// # Errors
     /// As `report::write`.
     pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
+        let dirs: Vec<PathBuf> = self.results.iter().map(PathBuf::from).collect();
+        let page = report::Plot::page_with(&dirs, &dir.join(report::PAGE), |page| self.sections(page))?;
         let own = serde_json::json!({ "comparison": self });
         report::write_files(dir, force, asked, &self.notes, own, |files| {
             let table = self.table().csv();
             files.add("comparison.csv", |file| file.write_all(&table?));
+            files.add(report::PAGE, |file| file.write_all(page.as_bytes()));
         })
     }
 }
@@ -259,7 +262,7 @@ fn freedom(of: &Stored) -> f64 {
 }
 
 /// What tells each row of a table from the others: to be looked up, and in words.
-fn places(measured: &Measured, cells: &Cells<'_>) -> Vec<(String, String)> {
+fn places(measured: &Measured, cells: &Written<'_>) -> Vec<(String, String)> {
     let columns = measured.key_columns(cells);
     let rows = columns.first().map_or(0, |(_, cells)| cells.len());
     // Ends of bins may differ by the rounding of what they were computed from.

@@ -36,7 +36,7 @@ impl<'a> Attribution<'a> {
     }
 
     /// The part of a mode: its variance over that of as many random points.
-    fn part(&self, m: [i32; 2]) -> Option<f64> {
+    pub(crate) fn part(&self, m: [i32; 2]) -> Option<f64> {
         self.map.variance(m).map(|variance| variance / self.error.alone)
     }
 

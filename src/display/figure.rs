@@ -52,11 +52,32 @@ pub(crate) enum Layer {
     /// A filled band between two curves.
     Band { name: String, color: Rgb, runs: Vec<Vec<[f64; 3]>> },
     /// A curve.
-    Line { name: String, color: Rgb, width: f64, stroke: Stroke, runs: Vec<Vec<(f64, f64)>> },
+    Line { name: String, color: Rgb, width: f64, stroke: Stroke, runs: Vec<Vec<(f64, f64)>>, of: Of },
     /// A horizontal reference.
     Level { name: String, y: f64 },
     /// A vertical hint with its label (SVG text).
     Hint { x: f64, label: String },
+}
+
+/// Where the numbers of a curve stand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// In no table: they are what is drawn.
+    Points,
+    /// In a column of the figure's table.
+    Column(Cow<'static, str>),
+    /// In a column, in the rows that have this text in another column: (column, other, text).
+    Rows(&'static str, &'static str, String),
+}
+
+/// The table that has the numbers of a figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Numbers {
+    pub(crate) table: &'static str,
+    /// The column of the abscissa; where there is none, halfway between its `_lo` and its `_hi`.
+    pub(crate) x: &'static str,
+    /// What of the abscissa is a unit of the axis.
+    pub(crate) x_factor: f64,
 }
 
 /// A second scale on top: a tick at `t` stands at `t * unit` on the x axis.
@@ -79,6 +100,7 @@ pub(crate) struct Figure {
     pub(crate) log_y: bool,
     pub(crate) top: Option<TopAxis>,
     pub(crate) layers: Vec<Layer>,
+    pub(crate) numbers: Option<Numbers>,
 }
 
 /// The runs of defined samples. A lone one is a step over its whole interval, so that it can be seen.

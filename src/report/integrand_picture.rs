@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::picture_figure::{Inset, svg as framed};
 use super::{plot, png, svg};
-use crate::display::figure::{BLUE, Figure, Layer, Stroke};
+use crate::display::figure::{BLUE, Figure, Layer, Of, Stroke};
 use crate::display::{ColorMap, escape, integrand_pixels, integrand_range, ticks};
 use crate::error::{Error, Result};
 use crate::integrand::Integrand;
@@ -40,7 +40,14 @@ fn curve(integrand: &Integrand) -> Svg {
     let points: Vec<(f64, f64)> = (0..STEPS).map(|i| (at(i), integrand.value(&[at(i)]))).collect();
     let [low, high] = integrand_range(&points.iter().map(|p| p.1).collect::<Vec<_>>());
     let room = 0.05 * (high - low);
-    let line = Layer::Line { name: String::new(), color: BLUE, width: 2.0, stroke: Stroke::Solid, runs: vec![points] };
+    let line = Layer::Line {
+        name: String::new(),
+        color: BLUE,
+        width: 2.0,
+        stroke: Stroke::Solid,
+        runs: vec![points],
+        of: Of::Points,
+    };
     svg::svg(&Figure {
         title: "Integrand f(x)".into(),
         subject: escape(integrand.spec()),
@@ -53,6 +60,7 @@ fn curve(integrand: &Integrand) -> Svg {
         log_y: false,
         top: None,
         layers: vec![line],
+        numbers: None,
     })
 }
 

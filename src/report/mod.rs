@@ -3,6 +3,7 @@
 //! The same `Analysis` gives the same bytes; wall times, which are part of it, appear in `summary.json` and
 //! `report.html` only.
 
+mod columns;
 mod headline;
 mod html;
 mod integrand_picture;
@@ -22,9 +23,11 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub(crate) use columns::Columns;
 pub use headline::headline;
+pub(crate) use html::{Numbers, Page};
 pub use integrand_picture::draw_integrands;
-pub(crate) use plot::{Columns, Stored};
+pub(crate) use plot::Stored;
 pub use plot::{Format, Plot, Plotted};
 pub(crate) use png::encode as png;
 pub(crate) use result_dir::Files;
@@ -40,7 +43,7 @@ use crate::request::Request;
 use crate::setting::Setting;
 
 /// The page, and what marks a result.
-const PAGE: &str = "report.html";
+pub(crate) const PAGE: &str = "report.html";
 const SUMMARY: &str = "summary.json";
 
 /// The raw sums of a result, or of a run that is not over.
@@ -228,7 +231,7 @@ pub fn write_with(dir: &Path, analysis: &Analysis, beside: Beside<'_>, force: bo
         if let Some(settings) = beside.settings {
             files.add(SETTINGS, |file| file.write_all(settings.as_bytes()));
         }
-        files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).as_bytes()));
+        files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).map_err(io::Error::other)?.as_bytes()));
         let names = files.names().into_iter().chain([SUMMARY]).collect();
         files.add(SUMMARY, |file| file.write_all(&summary::json(analysis, names).map_err(io::Error::other)?));
     })

@@ -6,9 +6,10 @@ use base64::Engine as _;
 
 use super::html::color_bar;
 use super::{npy, picture_figure, png, points_picture, svg};
+use crate::display::figure::Figure;
 use crate::error::{Error, Result};
 use crate::estimate::Analysis;
-use crate::statistics::{Array, Image, Make, Output, ROOMS, Room};
+use crate::statistics::{Array, Cells, Image, Make, Output, ROOMS, Room};
 
 /// Every room, and the points last.
 pub(super) fn sections() -> impl DoubleEndedIterator<Item = &'static dyn Room> {
@@ -31,23 +32,38 @@ pub(super) enum Content<'a> {
 /// A picture as it stands in the page, in HTML, and what is seen in it.
 pub(super) struct Picture {
     pub(super) html: String,
+    /// What stands below it.
+    pub(super) below: String,
     pub(super) seen: String,
+    /// Of curves, what is drawn.
+    pub(super) figure: Option<Figure>,
+    /// The values behind it, each with the turn of its element among those of pictures.
+    pub(super) cells: Vec<(usize, Cells)>,
 }
 
 /// The content of a file and, of a picture, what the page shows; `None` where there is nothing.
 pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<(Content<'a>, Option<Picture>)>> {
     let bytes = |bytes| (Content::Bytes(bytes), None);
-    let drawn = |svg: String| {
-        let picture = Picture { html: svg.clone(), seen: String::new() };
+    let drawn = |svg: String, figure, cells| {
+        let picture = Picture { html: svg.clone(), below: String::new(), seen: String::new(), figure, cells };
         (Content::Bytes(svg.into_bytes()), Some(picture))
     };
     Ok(match output.make {
         Make::Table(make) => make(a).map(|table| table.csv()).transpose()?.map(bytes),
         Make::Array(make) => make(a).map(|array| (Content::Array(array), None)),
-        Make::Figure(make) => make(a).map(|figure| svg::svg(&figure)).transpose().map_err(io::Error::other)?.map(drawn),
-        Make::Svg(make) => make(a).transpose().map_err(io::Error::other)?.map(drawn),
+        Make::Figure(make) => {
+            let figure = make(a).map(|figure| svg::svg(&figure).map(|svg| drawn(svg, Some(figure), Vec::new())));
+            figure.transpose().map_err(io::Error::other)?
+        }
+        Make::Svg(make) => make(a).transpose().map_err(io::Error::other)?.map(|svg| drawn(svg, None, Vec::new())),
         Make::Image(make) => make(a).map(encoded).transpose()?,
-        Make::Maps(make) => picture_figure::maps(&make(a)).transpose().map_err(io::Error::other)?.map(drawn),
+        Make::Maps(make) => {
+            let maps = make(a);
+            let svg = picture_figure::maps(&maps).transpose().map_err(io::Error::other)?;
+            // Behind each map comes its bar of colours.
+            let cells = maps.into_iter().enumerate().map(|(k, map)| (2 * k, map.cells)).collect();
+            svg.map(|svg| drawn(svg, None, cells))
+        }
     })
 }
 
@@ -56,10 +72,10 @@ fn encoded(image: Image) -> io::Result<(Content<'static>, Option<Picture>)> {
     let bytes = png::image(&image).map_err(io::Error::other)?;
     let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
     let ([width, height], alt, bar) = (image.size, image.alt, color_bar(&image.bar));
-    let html = format!(
-        "<img alt=\"{alt}\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{data}\">\n{bar}"
-    );
-    Ok((Content::Bytes(bytes), Some(Picture { html, seen: image.seen })))
+    let html =
+        format!("<img alt=\"{alt}\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{data}\">");
+    let cells = image.cells.into_iter().map(|cells| (0, cells)).collect();
+    Ok((Content::Bytes(bytes), Some(Picture { html, below: bar, seen: image.seen, figure: None, cells })))
 }
 
 impl Content<'_> {

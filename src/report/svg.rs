@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::display::figure::{Figure, GREY, Layer, Rgb, Stroke};
@@ -34,18 +35,36 @@ const FRAME: RGBColor = RGBColor(90, 90, 90);
 
 pub(super) type DrawResult = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Px of a drawing for paper per mm: its labels are then 8 points high.
 const PER_MM: f64 = 4.6;
 
 /// The figure as SVG text.
 pub(crate) fn svg(figure: &Figure) -> Svg {
-    Drawing { figure, width: WIDTH, height: HEIGHT }.svg()
+    Drawing::page(figure).svg()
+}
+
+/// The same without a legend, and each layer that has the number of a curve in an element with that number: it can be hidden.
+pub(super) fn grouped(figure: &Figure, groups: &[Option<usize>]) -> Svg {
+    Drawing { groups: Some(groups), ..Drawing::page(figure) }.svg()
+}
+
+/// Left, top, right and bottom of the frame of `svg` and `grouped`, in px.
+pub(super) fn frame_of(figure: &Figure, grouped: bool) -> [f64; 4] {
+    let drawing = Drawing { groups: grouped.then_some(&[][..]), ..Drawing::page(figure) };
+    [LEFT, drawing.frame_top(), drawing.right(), drawing.bottom()]
+}
+
+/// Where an abscissa stands in `svg`, in px.
+pub(super) fn place_of(figure: &Figure, x: f64) -> f64 {
+    Drawing::page(figure).px_x(x)
 }
 
 /// The figure as SVG text of so many mm.
 pub(super) fn for_paper(figure: &Figure, [width, height]: [f64; 2]) -> Svg {
-    let drawing = Drawing { figure, width: (width * PER_MM).round() as u32, height: (height * PER_MM).round() as u32 };
+    let [px_width, px_height] = [width, height].map(|mm| (mm * PER_MM).round() as u32);
+    let drawing = Drawing { figure, width: px_width, height: px_height, groups: None };
     let px = format!(r#"width="{}" height="{}""#, drawing.width, drawing.height);
     Ok(drawing.svg()?.replacen(&px, &format!(r#"width="{width}mm" height="{height}mm""#), 1))
 }
@@ -55,9 +74,15 @@ struct Drawing<'a> {
     figure: &'a Figure,
     width: u32,
     height: u32,
+    /// The curve that each layer belongs to, where curves can be hidden; the legend is then beside the figure.
+    groups: Option<&'a [Option<usize>]>,
 }
 
-impl Drawing<'_> {
+impl<'a> Drawing<'a> {
+    fn page(figure: &'a Figure) -> Self {
+        Self { figure, width: WIDTH, height: HEIGHT, groups: None }
+    }
+
     fn right(&self) -> f64 {
         f64::from(self.width) - RIGHT_MARGIN
     }
@@ -86,7 +111,7 @@ impl Drawing<'_> {
     fn legend_rows(&self) -> Vec<Vec<(f64, &Layer)>> {
         let mut rows: Vec<Vec<(f64, &Layer)>> = Vec::new();
         let mut x = f64::INFINITY;
-        for layer in &self.figure.layers {
+        for layer in self.figure.layers.iter().filter(|_| self.groups.is_none()) {
             let (Layer::Band { name, .. } | Layer::Line { name, .. } | Layer::Level { name, .. }) = layer else {
                 continue;
             };
@@ -180,61 +205,98 @@ impl Drawing<'_> {
         let description = [escape(&self.figure.title), escape(&self.figure.subject), self.figure.note.clone()];
         let description: Vec<_> = description.into_iter().filter(|text| !text.is_empty()).collect();
         let description = description.join(". ");
-        picture((self.width, self.height), &description, &text, |root| {
-            self.draw(root, &x_values, &y_values, &top_values)
-        })
-    }
-
-    fn draw(&self, root: &Area<'_>, x_ticks: &[f64], y_ticks: &[f64], top_ticks: &[f64]) -> DrawResult {
-        let px = |v: f64| fine(v) as u32;
-        let mut chart = ChartBuilder::on(root)
-            .margin_left(px(LEFT))
-            .margin_right(px(RIGHT_MARGIN))
-            .margin_top(px(self.frame_top()))
-            .margin_bottom(px(BOTTOM_MARGIN))
-            .build_cartesian_2d(self.drawn_x(), self.drawn_y())?;
-        let level = |y: f64| [(self.drawn_x().start, self.place_y(y)), (self.drawn_x().end, self.place_y(y))];
-        for &y in y_ticks {
-            chart.draw_series(LineSeries::new(level(y), GRID.stroke_width(px(1.0))))?;
-        }
-        for layer in &self.figure.layers {
-            match layer {
-                Layer::Band { color, runs, .. } => {
-                    for run in runs {
-                        let run = thinned_band(run, |x| (COLUMNS * self.px_x(x)).floor());
-                        let there = run.iter().map(|&[x, lo, _]| (self.place(x), self.place_y(lo)));
-                        let back = run.iter().rev().map(|&[x, _, hi]| (self.place(x), self.place_y(hi)));
-                        let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
-                        chart.draw_series([Polygon::new(polygon, rgb(*color).mix(0.22))])?;
+        let size = (self.width, self.height);
+        let body = match self.groups {
+            None => geometry(size, |root| {
+                self.ground(root, &y_values)?;
+                self.figure.layers.iter().try_for_each(|layer| self.layer(root, layer))?;
+                self.frame(root, &x_values, &y_values, &top_values)?;
+                self.figure.layers.iter().try_for_each(|layer| self.marks(root, layer))
+            })?,
+            Some(groups) => {
+                let mut body = geometry(size, |root| self.ground(root, &y_values))?;
+                for (layer, group) in self.figure.layers.iter().zip(groups) {
+                    let drawn = geometry(size, |root| {
+                        self.layer(root, layer)?;
+                        self.marks(root, layer)
+                    })?;
+                    match group {
+                        Some(k) => _ = writeln!(body, r#"<g data-curve="{k}">{drawn}</g>"#),
+                        None => body.push_str(&drawn),
                     }
                 }
-                Layer::Line { color, width, stroke, runs, .. } => {
-                    let style = rgb(*color).stroke_width(px(*width));
-                    for run in runs {
-                        let run = thinned_line(run, |p| (COLUMNS * self.px_x(p.0)).floor(), |p| p.1);
-                        let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
-                        for piece in clipped_line(&run, &self.drawn_y()) {
-                            match stroke.dashes() {
-                                Some((dash, gap)) => {
-                                    chart.draw_series(DashedLineSeries::new(piece, fine(dash), fine(gap), style))?;
-                                }
-                                None => {
-                                    chart.draw_series(LineSeries::new(piece, style))?;
-                                }
+                body + &geometry(size, |root| self.frame(root, &x_values, &y_values, &top_values))?
+            }
+        };
+        Ok(document(size, &description, &text, &body))
+    }
+
+    fn chart<'b>(&self, root: &Area<'b>) -> Result<Chart<'b>, Box<dyn std::error::Error + Send + Sync>> {
+        let px = |v: f64| fine(v) as u32;
+        let mut chart = ChartBuilder::on(root);
+        chart.margin_left(px(LEFT)).margin_right(px(RIGHT_MARGIN));
+        chart.margin_top(px(self.frame_top())).margin_bottom(px(BOTTOM_MARGIN));
+        Ok(chart.build_cartesian_2d(self.drawn_x(), self.drawn_y())?)
+    }
+
+    /// A horizontal line through the frame.
+    fn level(&self, y: f64) -> [(f64, f64); 2] {
+        [(self.drawn_x().start, self.place_y(y)), (self.drawn_x().end, self.place_y(y))]
+    }
+
+    /// The lines of the grid.
+    fn ground(&self, root: &Area<'_>, y_ticks: &[f64]) -> DrawResult {
+        let mut chart = self.chart(root)?;
+        for &y in y_ticks {
+            chart.draw_series(LineSeries::new(self.level(y), GRID.stroke_width(FINE as u32)))?;
+        }
+        Ok(())
+    }
+
+    fn layer(&self, root: &Area<'_>, layer: &Layer) -> DrawResult {
+        let px = |v: f64| fine(v) as u32;
+        let mut chart = self.chart(root)?;
+        match layer {
+            Layer::Band { color, runs, .. } => {
+                for run in runs {
+                    let run = thinned_band(run, |x| (COLUMNS * self.px_x(x)).floor());
+                    let there = run.iter().map(|&[x, lo, _]| (self.place(x), self.place_y(lo)));
+                    let back = run.iter().rev().map(|&[x, _, hi]| (self.place(x), self.place_y(hi)));
+                    let polygon = clipped_polygon(there.chain(back).collect(), &self.drawn_y());
+                    chart.draw_series([Polygon::new(polygon, rgb(*color).mix(0.22))])?;
+                }
+            }
+            Layer::Line { color, width, stroke, runs, .. } => {
+                let style = rgb(*color).stroke_width(px(*width));
+                for run in runs {
+                    let run = thinned_line(run, |p| (COLUMNS * self.px_x(p.0)).floor(), |p| p.1);
+                    let run: Vec<_> = run.iter().map(|&(x, y)| (self.place(x), self.place_y(y))).collect();
+                    for piece in clipped_line(&run, &self.drawn_y()) {
+                        match stroke.dashes() {
+                            Some((dash, gap)) => {
+                                chart.draw_series(DashedLineSeries::new(piece, fine(dash), fine(gap), style))?;
+                            }
+                            None => {
+                                chart.draw_series(LineSeries::new(piece, style))?;
                             }
                         }
                     }
                 }
-                Layer::Level { y, .. } if self.figure.y.contains(y) => {
-                    chart.draw_series(LineSeries::new(level(*y), rgb(GREY).stroke_width(px(1.2))))?;
-                }
-                Layer::Hint { x, .. } => {
-                    let line = [self.drawn_y().start, self.drawn_y().end].map(|y| (self.place(*x), y));
-                    chart.draw_series(DashedLineSeries::new(line, 20, 40, rgb(GREY).stroke_width(px(1.0))))?;
-                }
-                Layer::Level { .. } => {}
             }
+            Layer::Level { y, .. } if self.figure.y.contains(y) => {
+                chart.draw_series(LineSeries::new(self.level(*y), rgb(GREY).stroke_width(px(1.2))))?;
+            }
+            Layer::Hint { x, .. } => {
+                let line = [self.drawn_y().start, self.drawn_y().end].map(|y| (self.place(*x), y));
+                chart.draw_series(DashedLineSeries::new(line, 20, 40, rgb(GREY).stroke_width(px(1.0))))?;
+            }
+            Layer::Level { .. } => {}
         }
+        Ok(())
+    }
+
+    /// The frame with its ticks.
+    fn frame(&self, root: &Area<'_>, x_ticks: &[f64], y_ticks: &[f64], top_ticks: &[f64]) -> DrawResult {
         let at = |x: f64, y: f64| (fine(x), fine(y));
         let thin = thin();
         root.draw(&frame((LEFT, self.frame_top()), (self.right(), self.bottom())))?;
@@ -250,18 +312,21 @@ impl Drawing<'_> {
             let y = self.px_y(y);
             root.draw(&PathElement::new([at(LEFT - 5.0, y), at(LEFT, y)], thin))?;
         }
-        // Where a curve leaves the frame at the top: a mark at the edge.
-        for layer in &self.figure.layers {
-            if let Layer::Line { color, runs, stroke: Stroke::Solid, .. } = layer {
-                let mut last = f64::NEG_INFINITY;
-                for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.figure.y.end) {
-                    let (x, y) = (self.px_x(x), self.frame_top());
-                    // Marks that would touch are one mark.
-                    if x - last >= 9.0 {
-                        let mark = vec![at(x - 4.0, y + 8.0), at(x + 4.0, y + 8.0), at(x, y + 1.0)];
-                        root.draw(&Polygon::new(mark, rgb(*color)))?;
-                        last = x;
-                    }
+        Ok(())
+    }
+
+    /// Where a curve leaves the frame at the top: a mark at the edge.
+    fn marks(&self, root: &Area<'_>, layer: &Layer) -> DrawResult {
+        let at = |x: f64, y: f64| (fine(x), fine(y));
+        if let Layer::Line { color, runs, stroke: Stroke::Solid, .. } = layer {
+            let mut last = f64::NEG_INFINITY;
+            for &(x, _) in runs.iter().flatten().filter(|p| p.1 > self.figure.y.end) {
+                let (x, y) = (self.px_x(x), self.frame_top());
+                // Marks that would touch are one mark.
+                if x - last >= 9.0 {
+                    let mark = vec![at(x - 4.0, y + 8.0), at(x + 4.0, y + 8.0), at(x, y + 1.0)];
+                    root.draw(&Polygon::new(mark, rgb(*color)))?;
+                    last = x;
                 }
             }
         }
@@ -385,11 +450,16 @@ pub(super) fn fine(px: f64) -> i32 {
 /// Geometry by plotters, then `overlay` (in px), as one SVG document without references to anything outside. No ids: a
 /// page may hold several.
 pub(super) fn picture(
-    (width, height): (u32, u32),
+    size: (u32, u32),
     description: &str,
     overlay: &str,
     draw: impl FnOnce(&Area<'_>) -> DrawResult,
 ) -> Svg {
+    Ok(document(size, description, overlay, &geometry(size, draw)?))
+}
+
+/// What plotters draws, in backend pixels and without a root element.
+fn geometry((width, height): (u32, u32), draw: impl FnOnce(&Area<'_>) -> DrawResult) -> Svg {
     let mut drawn = String::new();
     {
         let root = SVGBackend::with_string(&mut drawn, (width * FINE as u32, height * FINE as u32)).into_drawing_area();
@@ -397,8 +467,11 @@ pub(super) fn picture(
         root.present()?;
     }
     // The backend's own root element gives way to one in px.
-    let body = drawn.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>");
-    Ok(format!(
+    Ok(drawn.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>").to_string())
+}
+
+fn document((width, height): (u32, u32), description: &str, overlay: &str, body: &str) -> String {
+    format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" role="img" font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" stroke-linejoin="round">
 <title>{}</title>
 <rect width="{width}" height="{height}" fill="#ffffff"/>
@@ -407,7 +480,7 @@ pub(super) fn picture(
 "##,
         description_text(description),
         1.0 / f64::from(FINE),
-    ))
+    )
 }
 
 /// SVG text without its tags.

@@ -234,7 +234,9 @@ mod tests {
                 width: 1.0,
                 stroke: Stroke::Solid,
                 runs: vec![vec![(0.0, 0.0), (1.0, 1.0)]],
+                of: crate::display::figure::Of::Points,
             }],
+            numbers: None,
         };
         let mut text = String::new();
         plot(&mut text, &figure, 24);

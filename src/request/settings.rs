@@ -250,6 +250,7 @@ impl Setting {
             Self::Tolerance => "--tolerance",
             Self::Figures => "--figure",
             Self::Labels => "--labels",
+            Self::Page => "--page",
             Self::RangeX => "--x",
             Self::RangeY => "--y",
             Self::LogX => "--log-x",

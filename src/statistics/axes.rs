@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use crate::display::Units;
+use crate::display::figure::Numbers;
 use crate::estimate::Analysis;
 
 /// A figure of curves, and the table that it can be drawn from.
@@ -240,6 +241,11 @@ impl Drawn {
             None => self.title.into(),
             Some(_) => format!("{}, inhomogeneous", self.title).into(),
         }
+    }
+
+    /// Where its numbers stand.
+    pub(crate) fn numbers(&self) -> Option<Numbers> {
+        Some(Numbers { table: self.table, x: self.x_column, x_factor: self.x_factor })
     }
 
     /// The label of the abscissa, in these units.

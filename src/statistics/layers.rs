@@ -1,6 +1,6 @@
 //! What several figures draw alike.
 
-use crate::display::figure::{INK, Layer, Stroke, runs};
+use crate::display::figure::{INK, Layer, Of, Stroke, runs};
 use crate::display::{Interval, Samples, escape, extent, human, shortened};
 use crate::estimate::Analysis;
 
@@ -16,6 +16,7 @@ pub(crate) fn closed_form(analysis: &Analysis, samples: &Samples, known: bool) -
         width: 1.4,
         stroke: Stroke::Dashed,
         runs: runs(samples.closed_form()),
+        of: Of::Points,
     })
 }
 

@@ -63,7 +63,7 @@ pub(crate) static MEASURED: [Measured; 12] = [
 ];
 
 /// Columns of a table as they are written.
-pub(crate) struct Cells<'a>(Vec<(&'a str, Vec<&'a str>)>);
+pub(crate) struct Written<'a>(Vec<(&'a str, Vec<&'a str>)>);
 
 /// A value with its standard error, if that is known.
 pub(crate) type WithError = (f64, Option<f64>);
@@ -75,7 +75,7 @@ pub(crate) struct Column<'a> {
     errors: &'a [&'a str],
 }
 
-impl<'a> Cells<'a> {
+impl<'a> Written<'a> {
     /// Names and cells of columns.
     pub(crate) fn new(columns: impl IntoIterator<Item = (&'a str, Vec<&'a str>)>) -> Self {
         Self(columns.into_iter().collect())
@@ -87,8 +87,8 @@ impl<'a> Cells<'a> {
 }
 
 impl Table {
-    fn cells(&self) -> Cells<'_> {
-        Cells::new(self.columns().map(|(name, cells)| (name, cells.iter().map(String::as_str).collect())))
+    fn written(&self) -> Written<'_> {
+        Written::new(self.columns().map(|(name, cells)| (name, cells.iter().map(String::as_str).collect())))
     }
 }
 
@@ -127,7 +127,7 @@ impl Measured {
     }
 
     /// The columns of values there are, the one that is meant where none is named first.
-    pub(crate) fn columns<'a>(&self, cells: &'a Cells<'a>) -> Vec<Column<'a>> {
+    pub(crate) fn columns<'a>(&self, cells: &'a Written<'a>) -> Vec<Column<'a>> {
         let with_errors = |(name, values): &'a (&'a str, Vec<&'a str>)| {
             Some(Column { name, values, errors: cells.find(&format!("{name}_se"))? })
         };
@@ -140,7 +140,7 @@ impl Measured {
     }
 
     /// The columns whose cells tell its rows apart.
-    pub(crate) fn key_columns<'a, 'b>(&self, cells: &'b Cells<'a>) -> Vec<(&'a str, &'b [&'a str])> {
+    pub(crate) fn key_columns<'a, 'b>(&self, cells: &'b Written<'a>) -> Vec<(&'a str, &'b [&'a str])> {
         let is = |name: &str| {
             self.keys.iter().any(|key| match key {
                 Key::Word(of) | Key::Nearest(of) => name == *of,
@@ -152,7 +152,7 @@ impl Measured {
     }
 
     /// The row of a place: one word or number for each key, separated by commas.
-    pub(crate) fn row(&self, cells: &Cells<'_>, place: &str) -> Result<usize, String> {
+    pub(crate) fn row(&self, cells: &Written<'_>, place: &str) -> Result<usize, String> {
         let rows = cells.0.first().map_or(0, |(_, cells)| cells.len());
         let mut left: Vec<usize> = (0..rows).collect();
         let vector = |of: &str| cells.0.iter().filter(|(name, _)| name.starts_with(of)).count();
@@ -201,7 +201,7 @@ impl Measured {
     }
 
     /// What the keys of its rows may be.
-    fn words(&self, cells: &Cells<'_>) -> String {
+    fn words(&self, cells: &Written<'_>) -> String {
         const SOME: usize = 8;
         let one = |name: &str, ends: [&str; 2]| {
             let numbers = |end: &str| {
@@ -239,7 +239,7 @@ impl Measured {
         place: &str,
     ) -> Result<(String, Option<WithError>), String> {
         let table = self.table(a).ok_or_else(|| format!("the run has no {}.csv", self.stem))?;
-        let cells = table.cells();
+        let cells = table.written();
         let columns = self.columns(&cells);
         let names = || columns.iter().map(|column| column.name).collect::<Vec<_>>().join(", ");
         let Some(found) = columns.iter().find(|of| column.is_none_or(|column| column == of.name)) else {
@@ -254,7 +254,7 @@ impl Measured {
 pub(crate) fn median_error(a: &Analysis) -> Option<(&'static str, f64)> {
     MEASURED.iter().find_map(|measured| {
         let table = measured.table(a)?;
-        let cells = table.cells();
+        let cells = table.written();
         let column = measured.columns(&cells).into_iter().next()?;
         let mut errors: Vec<f64> = (0..column.values.len()).filter_map(|row| column.at(row).ok()??.1).collect();
         errors.sort_unstable_by(f64::total_cmp);

@@ -27,8 +27,8 @@ pub(crate) mod targets;
 pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
-pub(crate) use output::{Array, Bar, Image, Make, Map, Output, Place, Shown, Svg, Turn, Values};
-pub(crate) use table::Table;
+pub(crate) use output::{Array, At, Bar, Cells, Image, Make, Map, Output, Place, Shown, Steps, Svg, Turn, Values};
+pub(crate) use table::{Table, cell};
 
 use crate::error::Result;
 use crate::estimate::{Analysis, Curve};

@@ -101,6 +101,56 @@ pub(crate) struct Image {
     /// For those who cannot see it.
     pub(crate) alt: &'static str,
     pub(crate) bar: Bar,
+    /// What its colours stand for, place by place.
+    pub(crate) cells: Vec<Cells>,
+}
+
+/// The values behind a picture, or a part of it: columns of cells to the right, rows of them from the top.
+pub(crate) struct Cells {
+    /// Left, top, right and bottom, as parts of the picture.
+    pub(crate) place: [f64; 4],
+    /// To the right, and downward.
+    pub(crate) axes: [Steps; 2],
+    /// What the values are of, plain text.
+    pub(crate) quantity: &'static str,
+    /// Row by row; NaN where there is none.
+    pub(crate) values: Vec<f64>,
+}
+
+/// What the places along an axis are.
+pub(crate) struct Steps {
+    /// Plain text.
+    pub(crate) name: String,
+    pub(crate) at: At,
+}
+
+/// The places along an axis.
+pub(crate) enum At {
+    /// Each so much after the other; where a cell is of several, so many.
+    Even { first: f64, step: f64, count: usize, each: usize },
+    /// By their names.
+    Named(Vec<String>),
+}
+
+impl Cells {
+    /// Of a whole picture of frequencies `m` up to these, the y axis up.
+    pub(crate) fn of_modes(half: [i32; 2], quantity: &'static str, value: impl Fn([i32; 2]) -> f64) -> Self {
+        let [x, y] = half;
+        let rows = (-y..=y).rev();
+        Self {
+            place: [0.0, 0.0, 1.0, 1.0],
+            axes: [Steps::even("m_x", -x, 1, 2 * x + 1), Steps::even("m_y", y, -1, 2 * y + 1)],
+            quantity,
+            values: rows.flat_map(|m1| (-x..=x).map(move |m0| [m0, m1])).map(value).collect(),
+        }
+    }
+}
+
+impl Steps {
+    fn even(name: &str, first: i32, step: i32, count: i32) -> Self {
+        let at = At::Even { first: first.into(), step: step.into(), count: count.max(0) as usize, each: 1 };
+        Self { name: name.into(), at }
+    }
 }
 
 /// A picture in pixels in a frame with axes and a colour bar of the sequential map.
@@ -114,6 +164,7 @@ pub(crate) struct Map<'a> {
     pub(crate) quantity: &'static str,
     pub(crate) bar: Vec<(f64, String)>,
     pub(crate) caption: String,
+    pub(crate) cells: Cells,
 }
 
 /// What the colours stand for.

@@ -13,7 +13,7 @@ pub(crate) struct Table {
 }
 
 /// A float as the shortest decimal that reads back as the same f64, zero without a sign; undefined or infinite: empty.
-fn cell(x: f64) -> String {
+pub(crate) fn cell(x: f64) -> String {
     if x.is_finite() { format!("{:?}", x + 0.0) } else { String::new() }
 }
 

@@ -5,25 +5,24 @@ use std::borrow::Cow;
 use super::{Survey, View};
 use crate::accumulate::DISCREPANCIES;
 use crate::display::escape;
-use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, ORANGE, PURPLE, Rgb, SKY, Stroke, VERMILION};
-use crate::report;
+use crate::display::figure::{
+    BLUE, Figure, GREEN, INK, Layer, Numbers, ORANGE, Of, PURPLE, Rgb, SKY, Stroke, VERMILION,
+};
+use crate::statistics::cell;
 
 /// Curves that a figure of spectra has at most: more cannot be told apart.
 const MOST: usize = 7;
 
 const COLORS: [Rgb; MOST] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK];
 
-type Drawn = Result<Vec<(&'static str, String)>, Box<dyn std::error::Error + Send + Sync>>;
-
-/// Both figures, as far as there is something to draw.
-pub(super) fn svgs(survey: &Survey, scalars: &'static str, radial: &'static str) -> Drawn {
-    let figures = [(scalars, self::scalars(survey)), (radial, self::radial(survey))];
-    let drawn = figures.into_iter().filter_map(|(name, figure)| Some((name, figure?)));
-    drawn.map(|(name, figure)| Ok((name, report::svg(&figure)?))).collect()
+/// Both figures with the names of their files, as far as there is something to draw.
+pub(super) fn drawn(survey: &Survey) -> Vec<(&'static str, Figure)> {
+    let figures = [("prefixes.svg", scalars(survey)), ("prefixes_radial.svg", radial(survey))];
+    figures.into_iter().filter_map(|(name, figure)| Some((name, figure?))).collect()
 }
 
-fn line(name: String, color: Rgb, points: Vec<(f64, f64)>) -> Layer {
-    Layer::Line { name, color, width: 2.0, stroke: Stroke::Solid, runs: vec![points] }
+fn line(name: String, color: Rgb, points: Vec<(f64, f64)>, of: Of) -> Layer {
+    Layer::Line { name, color, width: 2.0, stroke: Stroke::Solid, runs: vec![points], of }
 }
 
 /// Discrepancies, least distance and covering radius, on logarithmic scales.
@@ -38,8 +37,9 @@ fn scalars(survey: &Survey) -> Option<Figure> {
     let ends =
         |values: &mut dyn Iterator<Item = f64>| values.fold([f64::INFINITY, 0f64], |[a, b], v| [a.min(v), b.max(v)]);
     let ([x0, x1], [y0, y1]) = (ends(&mut all.iter().map(|p| p.0)), ends(&mut all.iter().map(|p| p.1)));
+    let each = curves.into_iter().zip(names).zip(COLORS).zip(DISCREPANCIES);
     let layers =
-        curves.into_iter().zip(names).zip(COLORS).map(|((curve, name), color)| line(name.into(), color, curve));
+        each.map(|(((curve, name), color), column)| line(name.into(), color, curve, Of::Column(column.into())));
     (x0 < x1).then(|| Figure {
         title: Cow::Borrowed("Discrepancies of prefixes"),
         subject: escape(&survey.subject),
@@ -52,6 +52,7 @@ fn scalars(survey: &Survey) -> Option<Figure> {
         log_y: true,
         top: None,
         layers: layers.collect(),
+        numbers: Some(Numbers { table: "prefixes.csv", x: "n", x_factor: 1.0 }),
     })
 }
 
@@ -60,12 +61,12 @@ fn radial(survey: &Survey) -> Option<Figure> {
     let views: Vec<&View> = survey.each.iter().filter(|view| view.p.len() > 1).collect();
     let shown = views.len().min(MOST);
     let chosen = (0..shown).map(|k| views[if shown > 1 { k * (views.len() - 1) / (shown - 1) } else { 0 }]);
-    let curves: Vec<_> =
-        chosen.map(|v| (format!("n = {}", v.n), v.p.iter().map(|row| (row[1], row[2])).collect::<Vec<_>>())).collect();
+    let curves: Vec<_> = chosen.map(|v| (v.n, v.p.iter().map(|row| (row[1], row[2])).collect::<Vec<_>>())).collect();
     let end = curves.iter().flat_map(|c| c.1.last()).map(|p| p.0).fold(0.0, f64::max);
     let top = curves.iter().flat_map(|c| &c.1).map(|p| p.1).fold(1.0, f64::max);
     let level = Layer::Level { name: "independent points".into(), y: 1.0 };
-    let lines = curves.into_iter().zip(COLORS).map(|((name, curve), color)| line(name, color, curve));
+    let of = |n: f64| Of::Rows("p", "n", cell(n));
+    let lines = curves.into_iter().zip(COLORS).map(|((n, curve), color)| line(format!("n = {n}"), color, curve, of(n)));
     (end > 0.0).then(|| Figure {
         title: Cow::Borrowed("Radial mean of P of prefixes"),
         subject: escape(&survey.subject),
@@ -87,5 +88,6 @@ fn radial(survey: &Survey) -> Option<Figure> {
         log_y: false,
         top: None,
         layers: std::iter::once(level).chain(lines).collect(),
+        numbers: Some(Numbers { table: "prefixes_radial.csv", x: "nu_relative", x_factor: 1.0 }),
     })
 }

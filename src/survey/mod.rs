@@ -2,6 +2,7 @@
 //! its own; what is kept of it is a row of scalars, its curves and a picture.
 
 mod figures;
+mod page;
 mod sheet;
 mod tables;
 
@@ -366,21 +367,31 @@ impl Survey {
         });
         report::write_files(dir, force, asked, &self.warnings, own, |files| {
             let tables = [Some(self.scalars()), tables::pcf(self), tables::radial(self)];
-            for (name, table) in names.into_iter().zip(tables) {
-                if let Some(table) = table {
-                    files.add(name, |file| file.write_all(&table.csv()?));
-                }
+            let tables: Vec<_> =
+                names.into_iter().zip(tables).filter_map(|(name, table)| Some((name, table?))).collect();
+            for (name, table) in &tables {
+                files.add(name, |file| file.write_all(&table.csv()?));
             }
-            let (first, drawn) = match self.views {
-                Views::Projections => ("projections.svg", sheet::svg(self).map(|svg| vec![("projections.svg", svg)])),
-                Views::Prefixes(_) => ("prefixes.svg", figures::svgs(self, "prefixes.svg", "prefixes_radial.svg")),
-            };
-            match drawn {
-                Ok(drawn) => {
-                    drawn.into_iter().for_each(|(name, svg)| files.add(name, |file| file.write_all(svg.as_bytes())));
-                }
-                Err(e) => files.add(first, |_| Err(io::Error::other(e))),
+            let (mut sheet, mut figures) = (None, Vec::new());
+            match self.views {
+                Views::Projections => match sheet::svg(self) {
+                    Ok(svg) => {
+                        files.add("projections.svg", |file| file.write_all(svg.as_bytes()));
+                        sheet = Some(svg);
+                    }
+                    Err(e) => files.add("projections.svg", |_| Err(io::Error::other(e))),
+                },
+                Views::Prefixes(_) => figures = figures::drawn(self),
             }
+            for (name, figure) in &figures {
+                let svg = || report::svg(figure).map_err(io::Error::other);
+                files.add(name, |file| file.write_all(svg()?.as_bytes()));
+            }
+            files.add(report::PAGE, |file| {
+                let page =
+                    page::page(self, &asked.command, &tables, &figures, sheet.as_deref()).map_err(io::Error::other)?;
+                file.write_all(page.as_bytes())
+            });
         })
     }
 }

@@ -1,51 +1,45 @@
-//! `report.html`: one page that needs nothing else: no script, no font, no file beside it.
+//! Pages that need nothing else, no font and no file beside them: `report.html`, and the builder of such pages.
 
+mod builder;
 mod color_bar;
+mod data;
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::path::PathBuf;
 
+pub(super) use builder::Curves;
+pub(crate) use builder::{Numbers, Page};
 pub(super) use color_bar::color_bar;
+pub(super) use data::{Curve, Values};
 
-use super::outputs::{Picture, sections};
+use super::columns::Columns;
+use super::outputs::{self, Picture, sections};
 use crate::accumulate::Backend;
 use crate::display::{Units, escape, human, packing_symbol, size};
 use crate::estimate::Analysis;
 use crate::statistics::Row;
 
-const STYLE: &str = include_str!("style.css");
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
-/// The page.
-pub(super) fn page(analysis: &Analysis, pictures: &BTreeMap<&'static str, Picture>) -> String {
+/// The page of a report.
+///
+/// # Errors
+/// What cannot be drawn.
+pub(super) fn page(analysis: &Analysis, pictures: &BTreeMap<&'static str, Picture>) -> Result<String> {
     let a = analysis;
-    let mut html = String::new();
-    let _ = write!(
-        html,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{subject} – pairwave</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-         <h1>{subject}</h1>\n<p class=\"lead\">{}; {}</p>\n",
-        domain(a),
-        size(a),
-        subject = escape(&a.subject),
-    );
-    if !a.warnings.is_empty() {
-        html.push_str("<div class=\"warnings\" role=\"note\"><strong>Warnings</strong>\n<ul>\n");
-        for warning in &a.warnings {
-            let _ = writeln!(html, "<li>{}</li>", escape(warning));
-        }
-        html.push_str("</ul></div>\n");
-    }
-    html.push_str("<h2>At a glance</h2>\n");
-    table(&mut html, &glance(a));
-    figures(&mut html, a, pictures);
-    errors(&mut html, a);
+    let mut page = Page::new(&a.subject, &format!("{}; {}", domain(a), size(a)));
+    page.warnings(&a.warnings);
+    page.section("At a glance");
+    page.rows("At a glance", &glance(a));
+    figures(&mut page, a, pictures)?;
+    errors(&mut page, a);
 
-    html.push_str("<h2>How it was computed</h2>\n");
+    page.section("How it was computed");
     if let Some((_, command)) = a.parameters.iter().find(|(name, _)| name == "command") {
-        let _ = writeln!(html, "<p>Command:</p>\n<pre>{}</pre>", escape(&plain(command)));
+        page.paragraph("Command:");
+        page.typed(&plain(command));
     }
-    let _ = writeln!(html, "<pre>{}</pre>", escape(a.plan.trim_end()));
+    page.typed(&a.plan);
     let read = a.input.as_ref().map(|input| ("Read".into(), escape(&input.words())));
     let backends: Vec<_> = a.computed_by.backends.iter().map(|b| backend(*b)).collect();
     let mut rows = vec![
@@ -60,24 +54,13 @@ pub(super) fn page(analysis: &Analysis, pictures: &BTreeMap<&'static str, Pictur
         let stages: Vec<_> = a.timings.iter().map(|(s, t)| format!("{} {t:.3}", escape(s))).collect();
         rows.push(("Time".into(), format!("{seconds:.3} s ({})", stages.join(", "))));
     }
-    table(&mut html, &rows);
+    page.rows("How it was computed", &rows);
     if !a.parameters.is_empty() {
-        html.push_str("<h2>Parameters</h2>\n");
+        page.section("Parameters");
         let rows: Vec<_> = a.parameters.iter().map(|(n, v)| (escape(n), escape(&plain(v)))).collect();
-        table(&mut html, &rows);
+        page.rows("Parameters", &rows);
     }
-    html.push_str("<footer>The numbers behind the pictures are in the CSV and NPY files next to this page.</footer>\n");
-    html.push_str("</body>\n</html>\n");
-    html
-}
-
-/// Rows of (name, value), both HTML.
-fn table(html: &mut String, rows: &[(String, String)]) {
-    html.push_str("<table>\n");
-    for (name, value) in rows {
-        let _ = writeln!(html, "<tr><th scope=\"row\">{name}</th><td>{value}</td></tr>");
-    }
-    html.push_str("</table>\n");
+    Ok(page.finish("The numbers behind the pictures are in the CSV and NPY files next to this page."))
 }
 
 fn backend(backend: Backend) -> &'static str {
@@ -162,37 +145,47 @@ pub(super) fn glance(a: &Analysis) -> Vec<(String, String)> {
 }
 
 /// Every room's pictures with their captions, or its words where there is none.
-fn figures(html: &mut String, a: &Analysis, pictures: &BTreeMap<&'static str, Picture>) {
+fn figures(page: &mut Page, a: &Analysis, pictures: &BTreeMap<&'static str, Picture>) -> Result<()> {
     let mut heading = "";
+    let mut tables = BTreeMap::new();
     for section in sections() {
-        let mut headed = |html: &mut String, new: &'static str| {
+        let mut headed = |page: &mut Page, new: &'static str| {
             if std::mem::replace(&mut heading, new) != new {
-                let _ = writeln!(html, "<h2>{new}</h2>");
+                page.section(new);
             }
         };
         if let Some((heading, words)) = section.words(a) {
-            headed(html, heading);
-            let _ = writeln!(html, "<p>{words}</p>");
+            headed(page, heading);
+            page.paragraph(&words);
         }
         for output in section.outputs() {
             let (Some(place), Some(picture)) = (&output.place, pictures.get(output.name)) else { continue };
             let Some(caption) = (place.caption)(a, &picture.seen) else { continue };
-            headed(html, place.heading);
-            let _ = write!(
-                html,
-                "<figure><div class=\"picture\">{}</div>\n<figcaption>{caption}</figcaption></figure>\n",
-                picture.html
-            );
+            headed(page, place.heading);
+            let name = output.name.split('.').next().unwrap_or(output.name);
+            let Some(figure) = &picture.figure else {
+                let cells: Vec<_> = picture.cells.iter().map(|(element, cells)| (*element, cells)).collect();
+                page.picture(name, [&picture.html, &picture.below, &caption], &cells, &[])?;
+                continue;
+            };
+            let table = figure.numbers.map(|numbers| numbers.table);
+            let read = table.map(|table| outputs::bytes(table, a)).transpose()?.flatten();
+            let read = table.zip(read).map(|(table, bytes)| Columns::read(PathBuf::from(table), &bytes)).transpose()?;
+            let numbers = |(name, columns)| Numbers { name, columns, page: tables.get(name).copied() };
+            let number = page.drawn(name, figure, table.zip(read.as_ref()).map(numbers), &caption)?;
+            tables.extend(table.zip(number));
         }
     }
+    Ok(())
 }
 
 /// What the error bars are.
-fn errors(html: &mut String, a: &Analysis) {
+fn errors(page: &mut Page, a: &Analysis) {
     let rows: Vec<Row> = sections().flat_map(|section| section.errors(a)).collect();
     if !rows.is_empty() {
-        html.push_str("<h2>Error bars</h2>\n<p>All are one standard error.</p>\n");
-        table(html, &rows);
+        page.section("Error bars");
+        page.paragraph("All are one standard error.");
+        page.rows("Error bars", &rows);
     }
 }
 

@@ -1,17 +1,21 @@
 //! Figures drawn again from the tables of results, one curve per result: nothing is computed.
 
+mod headlines;
+mod page;
 #[cfg(feature = "print")]
 mod print;
 mod result;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::columns::{Curve, Place};
+use super::html::Page;
 use super::svg;
 use crate::display::figure::{
-    BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, PURPLE, Rgb, SKY, Stroke, VERMILION, band_runs, runs,
+    BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, Of, PURPLE, Rgb, SKY, Stroke, VERMILION, band_runs, runs,
 };
 use crate::display::{Interval, Units, about_one, decades, escape, extent, grow, shortened, top_of};
 use crate::error::{Error, Result, number, numbers};
@@ -19,8 +23,7 @@ use crate::named::named;
 use crate::setting::Setting;
 use crate::stage;
 use crate::statistics::axes::{DRAWN, Drawn, Level, Values};
-use result::Curve;
-pub(crate) use result::{Columns, Stored};
+pub(crate) use result::Stored;
 
 /// What is drawn, of which results, and how.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -151,17 +154,42 @@ impl Plot {
         }
         let mut pictures = Vec::new();
         for (each, file) in drawn.into_iter().zip(&files) {
-            let figure = look.figure(each, &results)?;
+            let figure = look.overlay(each, &results)?.figure;
             let failed = |e| Error::file(file, std::io::Error::other(e));
             pictures.push(encoded(svg::for_paper(&figure, look.size).map_err(failed)?, file).map_err(failed)?);
         }
         for (file, picture) in files.iter().zip(&pictures) {
             write(file, picture, force)?;
         }
-        let warnings = results
-            .split_first()
-            .map_or(Vec::new(), |(first, others)| others.iter().flat_map(|other| first.differences(other)).collect());
-        Ok(Plotted { files, warnings })
+        Ok(Plotted { files, warnings: warnings(&results) })
+    }
+
+    /// Writes one page with every figure that was asked for, the results over each other, what differs between them, and their numbers side by
+    /// side. A file that is there already is refused without `force`.
+    ///
+    /// # Errors
+    /// As `draw`.
+    pub fn page(&self, file: &Path, force: bool) -> Result<Plotted> {
+        let results = self.results.iter().map(|dir| Stored::open(dir)).collect::<Result<Vec<_>>>()?;
+        let drawn = self.chosen(&results)?;
+        let look = Look::of(self, &results)?;
+        if file.is_dir() || file.symlink_metadata().is_ok() && !force {
+            let reason =
+                if file.is_dir() { "is a directory; expected a file" } else { "is there already; `force` replaces it" };
+            return Err(Error::setting(Setting::Page, file.display(), reason));
+        }
+        let warnings = warnings(&results);
+        let html = page::page(&look, &drawn, &results, &warnings, file, |_| ())?;
+        write(file, html.as_bytes(), force)?;
+        Ok(Plotted { files: vec![file.into()], warnings })
+    }
+
+    /// The page of results with all figures that they have in common, if any, and what `add` says of them. It will be in a file.
+    pub(crate) fn page_with(results: &[PathBuf], file: &Path, add: impl FnOnce(&mut Page)) -> Result<String> {
+        let plot = Self { results: results.to_vec(), size: DEFAULT_SIZE.into(), ..Self::default() };
+        let results = results.iter().map(|dir| Stored::open(dir)).collect::<Result<Vec<_>>>()?;
+        let drawn = plot.chosen(&results).unwrap_or_default();
+        page::page(&Look::of(&plot, &results)?, &drawn, &results, &warnings(&results), file, add)
     }
 
     /// The figures that were asked for, or all that every result has.
@@ -228,6 +256,12 @@ impl Plot {
     }
 }
 
+/// What makes results hard to compare with the first.
+fn warnings(results: &[Stored]) -> Vec<String> {
+    let of = |(first, others): (&Stored, &[Stored])| others.iter().flat_map(|other| first.differences(other)).collect();
+    results.split_first().map_or(Vec::new(), of)
+}
+
 /// A figure in the format of its file.
 fn encoded(svg: String, file: &Path) -> Result<Vec<u8>, Box<dyn std::error::Error + Send + Sync>> {
     match file.extension().and_then(|ending| ending.to_str()).and_then(|ending| ending.parse::<Format>().ok()) {
@@ -248,6 +282,15 @@ pub(super) fn write(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
     file.write_all(bytes).map_err(failed)?;
     let placed = if force { file.persist(path) } else { file.persist_noclobber(path) };
     placed.map(|_| ()).map_err(|e| failed(e.error))
+}
+
+/// A figure with the curves of several results.
+struct Overlay {
+    figure: Figure,
+    /// The curve that each layer belongs to; of the others none.
+    groups: Vec<Option<usize>>,
+    /// Of each curve, in the order of their lines, which are the last layers: its result, its look, and where it stands in the table.
+    curves: Vec<(usize, (Rgb, Stroke), Place)>,
 }
 
 /// How everything is drawn.
@@ -291,7 +334,7 @@ impl<'a> Look<'a> {
     }
 
     /// A figure with the curves of every result.
-    fn figure(&self, drawn: &Drawn, results: &[Stored]) -> Result<Figure> {
+    fn overlay(&self, drawn: &Drawn, results: &[Stored]) -> Result<Overlay> {
         let mut curves: Vec<(usize, usize, Curve)> = Vec::new();
         for (which, result) in results.iter().enumerate() {
             let found = result.curves(drawn)?.map_err(|why| Error::setting(Setting::Figures, drawn.stem, why))?;
@@ -327,11 +370,13 @@ impl<'a> Look<'a> {
             };
             (color, stroke)
         };
-        for (which, k, curve) in curves.iter().filter(|_| bands) {
+        let mut owners = BTreeMap::new();
+        for (at, (which, k, curve)) in curves.iter().enumerate().filter(|_| bands) {
             let ends = |s: &(Interval, Option<f64>, Option<f64>)| (s.0, s.1.zip(s.2).map(|(y, se)| (y - se, y + se)));
             let runs = band_runs(curve.samples.iter().map(ends));
             let runs: Vec<_> = runs.iter().flat_map(|run| cut(run, &x)).collect();
             if !runs.is_empty() {
+                owners.insert(layers.len(), at);
                 layers.push(Layer::Band { name: String::new(), color: look(*which, *k).0, runs });
             }
         }
@@ -340,7 +385,7 @@ impl<'a> Look<'a> {
                 runs(samples).into_iter().map(|run| run.into_iter().map(|(x, y)| [x, y, y]).collect()).collect();
             let runs = strips.iter().flat_map(|run| cut(run, &x));
             let runs = runs.map(|run| run.into_iter().map(|[x, y, _]| (x, y)).collect()).collect();
-            Layer::Line { name, color, width, stroke, runs }
+            Layer::Line { name, color, width, stroke, runs, of: Of::Points }
         };
         for (name, samples) in &levels {
             layers.push(line((*name).into(), (INK, Stroke::Dashed), 1.2, &mut samples.iter().copied()));
@@ -357,7 +402,12 @@ impl<'a> Look<'a> {
             let mut samples = curve.samples.iter().map(|s| (s.0, s.1));
             layers.push(line(escape(&shortened(&name, 48)), look(*which, *k), 1.6, &mut samples));
         }
-        Ok(Figure {
+        // Bands of curves stand in front of all lines, in the order of the curves.
+        let last = layers.len() - curves.len();
+        let groups = (0..layers.len()).map(|k| owners.get(&k).copied().or_else(|| k.checked_sub(last))).collect();
+        let kept = |(which, k, curve): (usize, usize, Curve)| (which, look(which, k), curve.place);
+        let curves = curves.into_iter().map(kept).collect();
+        let figure = Figure {
             title: self.plot.title.clone().unwrap_or_default().into(),
             subject: String::new(),
             note: String::new(),
@@ -369,7 +419,9 @@ impl<'a> Look<'a> {
             log_y,
             top: None,
             layers,
-        })
+            numbers: drawn.numbers(),
+        };
+        Ok(Overlay { figure, groups, curves })
     }
 
     /// The abscissae that are drawn, and whether by their logarithms.

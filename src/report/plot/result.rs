@@ -1,35 +1,21 @@
-//! Results as they lie in directories: the summary and the tables, read again.
+//! Results as they lie in directories: the summary, and where the tables are.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
 
-use crate::display::Interval;
-use crate::error::{Error, Result, plural};
+use crate::error::{Error, Result};
 use crate::plan::Convention;
 use crate::points::UnitName;
 use crate::report::SUMMARY;
+use crate::report::columns::{Columns, Curve};
 use crate::statistics::axes::{DRAWN, Drawn};
-use crate::statistics::measured::{Cells, number};
 
 /// A directory that holds a result.
 pub(crate) struct Stored {
     pub(super) dir: PathBuf,
     summary: Json,
-}
-
-/// A table as text.
-pub(crate) struct Columns {
-    path: PathBuf,
-    header: Vec<String>,
-    rows: Vec<csv::StringRecord>,
-}
-
-/// A curve of a table: its name among others, and where each value stands, with its error.
-pub(super) struct Curve {
-    pub(super) name: String,
-    pub(super) samples: Vec<(Interval, Option<f64>, Option<f64>)>,
 }
 
 /// What of a result its curves depend on, besides the points: keys of the summary, and what they are called.
@@ -89,6 +75,11 @@ impl Stored {
         self.summary.pointer(pointer)
     }
 
+    /// All of the summary.
+    pub(super) fn summary(&self) -> &Json {
+        &self.summary
+    }
+
     /// A table of it, if it is there.
     pub(crate) fn table(&self, name: &str) -> Result<Option<Columns>> {
         let path = self.dir.join(name);
@@ -97,24 +88,7 @@ impl Stored {
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(Error::file(path, e)),
         };
-        let mut reader = csv::Reader::from_reader(text.as_slice());
-        let broken = |e: csv::Error| {
-            let line = e.position().map_or(String::new(), |position| format!(":{}", position.line()));
-            let reason = match e.kind() {
-                csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                    format!(
-                        "has {}; expected {expected_len}, one for each column of the first line",
-                        plural(*len, "cell")
-                    )
-                }
-                csv::ErrorKind::Utf8 { .. } => "is no UTF-8".into(),
-                _ => e.to_string(),
-            };
-            Error::input(format!("{}{line}", path.display()), reason)
-        };
-        let header = reader.headers().map_err(broken)?.iter().map(str::to_string).collect();
-        let rows = reader.records().collect::<csv::Result<_>>().map_err(broken)?;
-        Ok(Some(Columns { path, header, rows }))
+        Columns::read(path, &text).map(Some)
     }
 
     /// The curves of a figure, or why there are none.
@@ -162,102 +136,5 @@ impl Stored {
         let both = COMPARED.iter().map(|(key, name)| (name, value(self, key), value(other, key)));
         let (here, there) = (self.dir.display(), other.dir.display());
         both.filter(|(_, a, b)| a != b).map(|(name, a, b)| format!("{name}: {here}: {a}; {there}: {b}")).collect()
-    }
-}
-
-impl Columns {
-    /// Its cells, by columns.
-    pub(crate) fn cells(&self) -> Cells<'_> {
-        let column = |k: usize| self.rows.iter().map(|row| row.get(k).unwrap_or_default()).collect();
-        Cells::new(self.header.iter().enumerate().map(|(k, name)| (name.as_str(), column(k))))
-    }
-
-    /// What is wrong with a row.
-    pub(crate) fn fault(&self, row: usize, why: String) -> Error {
-        let line = self.rows.get(row).and_then(csv::StringRecord::position).map_or(0, csv::Position::line);
-        Error::input(format!("{}:{line}", self.path.display()), why)
-    }
-
-    fn find(&self, name: &str) -> Option<usize> {
-        self.header.iter().position(|h| h == name)
-    }
-
-    /// The number in a cell; none where it is empty.
-    fn number(&self, row: usize, column: usize) -> Result<Option<f64>> {
-        let cell = self.rows[row].get(column).unwrap_or_default();
-        number(cell).map_err(|why| self.fault(row, format!("column {} {why}", self.header[column])))
-    }
-
-    /// The curves of a figure, or why there are none.
-    fn curves(&self, drawn: &Drawn) -> Result<Result<Vec<Curve>, String>> {
-        let without = |column: &str| Ok(Err(format!("{} has no column {column}", self.path.display())));
-        let x = drawn.x_column;
-        let ends = self.find(&format!("{x}_lo")).zip(self.find(&format!("{x}_hi")));
-        if ends.is_none() && self.find(x).is_none() {
-            return without(x);
-        }
-        let group = match drawn.group {
-            Some(name) if self.find(name).is_none() => return without(name),
-            name => name.and_then(|name| self.find(name)),
-        };
-        let mut abscissae = Vec::with_capacity(self.rows.len());
-        for row in 0..self.rows.len() {
-            let at = |column: Option<usize>| match column {
-                Some(column) => Ok(self.number(row, column)?.map(|x| x / drawn.x_factor)),
-                None => Ok(None),
-            };
-            let (lo, x, hi) = (at(ends.map(|e| e.0))?, at(self.find(x))?, at(ends.map(|e| e.1))?);
-            let middle = x.or_else(|| Some(0.5 * (lo? + hi?)));
-            abscissae.push(middle.map(|x| (lo.unwrap_or(x), x, hi.unwrap_or(x))));
-        }
-        let mut curves: Vec<Curve> = Vec::new();
-        for (wanted, name) in drawn.curves {
-            let prefix = wanted.ends_with('_');
-            let is = |h: &str| if prefix { h.starts_with(wanted) && !h.ends_with("_se") } else { h == *wanted };
-            let columns: Vec<usize> = (0..self.header.len()).filter(|&k| is(&self.header[k])).collect();
-            if columns.is_empty() {
-                return without(&if prefix { format!("{wanted}…") } else { (*wanted).into() });
-            }
-            for column in columns {
-                let header = &self.header[column];
-                // L - r errs as L does.
-                let errors = format!("{}_se", header.replacen("l_minus_r", "l", 1));
-                let errors = self.find(&errors).filter(|_| drawn.bands);
-                let own = if prefix { header[wanted.len()..].replace('_', " – ") } else { (*name).to_string() };
-                let mut last: Option<&str> = None;
-                for (row, &x) in abscissae.iter().enumerate() {
-                    let of = group.map(|group| self.rows[row].get(group).unwrap_or_default());
-                    if row == 0 || of != last {
-                        let name = match (drawn.group, of) {
-                            (Some(group), Some(of)) => format!("{group} = {}", of.get(..8).unwrap_or(of)),
-                            _ => own.clone(),
-                        };
-                        curves.push(Curve { name, samples: Vec::new() });
-                        last = of;
-                    }
-                    let (Some(x), Some(curve)) = (x, curves.last_mut()) else { continue };
-                    let error = errors.map_or(Ok(None), |column| self.number(row, column))?;
-                    curve.samples.push((x, self.number(row, column)?, error));
-                }
-            }
-        }
-        let defined = curves.iter().any(|c| c.samples.iter().any(|s| s.1.is_some()));
-        Ok(if defined { Ok(curves) } else { Err(format!("{} has no values of it", self.path.display())) })
-    }
-
-    /// A column of numbers, if it is there, where its rows are of one curve.
-    pub(crate) fn column(&self, name: &str) -> Result<Option<Vec<Option<f64>>>> {
-        let Some(column) = self.find(name) else { return Ok(None) };
-        (0..self.rows.len()).map(|row| self.number(row, column)).collect::<Result<_>>().map(Some)
-    }
-
-    /// r and the ends of the global envelope of a curve.
-    pub(super) fn envelope(&self, curve: &str) -> Result<Vec<[Option<f64>; 3]>> {
-        let [Some(of), Some(r), Some(lo), Some(hi)] = ["curve", "r", "global_lo", "global_hi"].map(|c| self.find(c))
-        else {
-            return Ok(Vec::new());
-        };
-        let rows = (0..self.rows.len()).filter(|&row| self.rows[row].get(of) == Some(curve));
-        rows.map(|row| Ok([self.number(row, r)?, self.number(row, lo)?, self.number(row, hi)?])).collect()
     }
 }

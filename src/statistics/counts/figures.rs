@@ -1,7 +1,7 @@
 //! The picture of the index of dispersion, and its caption.
 
 use super::name;
-use crate::display::figure::{BLUE, Figure, INK, Layer, Stroke, VERMILION, band_runs, runs};
+use crate::display::figure::{BLUE, Figure, INK, Layer, Of, Stroke, VERMILION, band_runs, runs};
 use crate::display::{Units, error_note, extent, size};
 use crate::estimate::{Analysis, CountDispersion};
 use crate::plan::CountShape;
@@ -29,16 +29,17 @@ pub(super) fn dispersion(analysis: &Analysis) -> Option<Figure> {
             color,
             runs: band_runs(sizes.iter().map(|s| (at(s), band(s)))),
         });
-        let line = |name: String, color, stroke, of: fn(&CountDispersion) -> Option<f64>| Layer::Line {
+        let line = |name: String, color, column, stroke, of: fn(&CountDispersion) -> Option<f64>| Layer::Line {
             name,
             color,
             width: 1.6,
             stroke,
             runs: runs(sizes.iter().map(|s| (at(s), of(s).filter(|d| *d > 0.0)))),
+            of: Of::Rows(column, "shape", shape.name().into()),
         };
-        layers.push(line(name(shape, dim).into(), color, Stroke::Solid, |s| s.dispersion));
+        layers.push(line(name(shape, dim).into(), color, "dispersion", Stroke::Solid, |s| s.dispersion));
         if shape == CountShape::Box {
-            layers.push(line("as many independent points".into(), INK, Stroke::Dashed, |s| Some(s.random)));
+            layers.push(line("as many independent points".into(), INK, "random", Stroke::Dashed, |s| Some(s.random)));
         }
     }
     let units = Units::of(analysis).escaped();
@@ -56,6 +57,7 @@ pub(super) fn dispersion(analysis: &Analysis) -> Option<Figure> {
         log_y: true,
         top: None,
         layers,
+        numbers: axes::COUNTS.numbers(),
     })
     .filter(|_| ends.0 < ends.1)
 }

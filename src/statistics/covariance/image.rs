@@ -2,7 +2,7 @@
 
 use crate::display::{DC, escape, human, sequential};
 use crate::estimate::Analysis;
-use crate::statistics::{Bar, Image};
+use crate::statistics::{At, Bar, Cells, Image, Steps};
 
 /// Decades below the largest value that colours tell apart.
 const DECADES: i32 = 4;
@@ -25,13 +25,17 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
     let zoom = (TARGET / cells).max(1);
     let side = cells * zoom;
     let mut rgb = Vec::with_capacity(3 * side * side);
+    let mut values = Vec::with_capacity(cells * cells);
     for row in 0..cells {
         let members = |cell: usize| (cell * block..((cell + 1) * block).min(modes)).filter(|&m| m != dc);
-        let line: Vec<u8> = (0..cells)
-            .map(|column| {
-                let pairs = members(row).flat_map(|m| members(column).map(move |l| (m, l)));
-                pairs.map(|(m, l)| covariance.magnitude(m, l)).reduce(f64::max)
-            })
+        let largest = |column: usize| {
+            let pairs = members(row).flat_map(|m| members(column).map(move |l| (m, l)));
+            pairs.map(|(m, l)| covariance.magnitude(m, l)).reduce(f64::max)
+        };
+        let of_row: Vec<Option<f64>> = (0..cells).map(largest).collect();
+        values.extend(of_row.iter().map(|c| c.unwrap_or(f64::NAN)));
+        let line: Vec<u8> = of_row
+            .into_iter()
             .flat_map(|c| std::iter::repeat_n(c.map_or(DC, |c| sequential(tone(c))), zoom))
             .flatten()
             .collect();
@@ -49,6 +53,19 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
     );
     let ticks =
         (0..=DECADES).map(|k| (f64::from(k) / f64::from(DECADES), human(top * 10f64.powi(k - DECADES)))).collect();
+    let sizes = covariance.grid.full_shape();
+    let vector = |cell: usize| {
+        let mut rest = cell * block;
+        let mut of_axis = |size: &usize| {
+            let m = (rest % size) as i64 - (size / 2) as i64;
+            rest /= size;
+            m.to_string()
+        };
+        let mut vector: Vec<String> = sizes.iter().rev().map(&mut of_axis).collect();
+        vector.reverse();
+        format!("({})", vector.join(", "))
+    };
+    let axes = ["l", "m"].map(|name| Steps { name: name.into(), at: At::Named((0..cells).map(vector).collect()) });
     Some(Image {
         rgb,
         size: [side as u32; 2],
@@ -57,6 +74,7 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
         seen: caption,
         alt: "Covariance of amplitudes",
         bar: Bar::Sequential(ticks),
+        cells: vec![Cells { place: [0.0, 0.0, 1.0, 1.0], axes, quantity: "|C_ml|", values }],
     })
 }
 

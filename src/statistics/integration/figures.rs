@@ -4,10 +4,12 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use crate::display::escape;
-use crate::display::figure::{Figure, IN_TURN, Layer, Rgb, Stroke};
-use crate::display::{Attribution, ColorMap, Decades, Form, Units, distance_sums, error_bars, frequency_sums, human};
+use crate::display::figure::{Figure, IN_TURN, Layer, Numbers, Of, Rgb, Stroke};
+use crate::display::{
+    Attribution, ColorMap, Decades, Form, Pixels, Units, distance_sums, error_bars, frequency_sums, human,
+};
 use crate::estimate::Analysis;
-use crate::statistics::{Map, Svg};
+use crate::statistics::{At, Cells, Map, Steps, Svg};
 
 const WIDTH: f64 = 900.0;
 const LEFT: f64 = 250.0;
@@ -107,7 +109,14 @@ pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
         end = run.iter().find(|p| p.1 > 0.99).or(run.last()).map_or(end, |p| end.max(p.0));
         let name = one.integrand.spec().split(':').next().unwrap_or_default();
         let stroke = if layers.len() < IN_TURN.len() { Stroke::Solid } else { Stroke::Dashed };
-        layers.push(Layer::Line { name: escape(name), color: *color, width: 2.0, stroke, runs: vec![run] });
+        layers.push(Layer::Line {
+            name: escape(name),
+            color: *color,
+            width: 2.0,
+            stroke,
+            runs: vec![run],
+            of: Of::Points,
+        });
     }
     (!layers.is_empty()).then(|| Figure {
         title: Cow::Borrowed("Which frequencies the variance comes from"),
@@ -121,6 +130,7 @@ pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: Some(Numbers { table: "attribution.csv", x: "m", x_factor: 1.0 }),
     })
 }
 
@@ -152,13 +162,44 @@ pub(super) fn maps(a: &Analysis) -> Vec<Map<'_>> {
                 Cow::Borrowed(&a.subject),
             ],
             labels: pixels.axes.map(|axis| format!("ν_{} ({cycles})", ["x", "y", "z"][axis])),
-            pixels,
+            cells: cells(&map, &pixels),
             quantity: "|f_m|² P / v₀",
+            pixels,
             bar: Attribution::ticks(largest),
             caption,
         })
     };
     found.iter().filter_map(map).collect()
+}
+
+/// What each pixel of a map stands for.
+fn cells(map: &Attribution<'_>, pixels: &Pixels) -> Cells {
+    let [x, y] = map.half().map(|half| half as i32);
+    let each = (2 * x.max(y) as usize + 1).div_ceil(MAP).max(1);
+    let part = |m: [i32; 2]| if m == [0, 0] { None } else { map.part(m) };
+    if each == 1 {
+        return Cells::of_modes([x, y], "|f_m|² P / v₀", |m| part(m).unwrap_or(f64::NAN));
+    }
+    let modes = |cell: usize, half: i32| {
+        let first = (cell * each) as i32 - half;
+        first..(first + each as i32).min(half + 1)
+    };
+    let largest = |[column, row]: [usize; 2]| {
+        let all = modes(row, y).flat_map(|m1| modes(column, x).map(move |m0| [m0, m1]));
+        all.filter_map(part).reduce(f64::max).unwrap_or(f64::NAN)
+    };
+    let along = |name: &str, half: i32, count: usize, up: bool| {
+        let (first, step) = (f64::from(-half), each as f64);
+        let (first, step) = if up { (first + step * (count - 1) as f64, -step) } else { (first, step) };
+        Steps { name: name.into(), at: At::Even { first, step, count, each } }
+    };
+    let places = (0..pixels.height).rev().flat_map(|row| (0..pixels.width).map(move |column| [column, row]));
+    Cells {
+        place: [0.0, 0.0, 1.0, 1.0],
+        axes: [along("m_x", x, pixels.width, false), along("m_y", y, pixels.height, true)],
+        quantity: "|f_m|² P / v₀",
+        values: places.map(largest).collect(),
+    }
 }
 
 /// `attribution_lags.svg`: the predicted variance of single points and of pairs up to a distance, over that of single points alone.
@@ -178,7 +219,14 @@ pub(super) fn lags(a: &Analysis) -> Option<Figure> {
         end = run.iter().rev().find(|p| (p.1 - last).abs() > 0.01 * (1.0 + last.abs())).map_or(end, |p| end.max(p.0));
         let name = one.integrand.spec().split(':').next().unwrap_or_default();
         let stroke = if layers.len() < IN_TURN.len() { Stroke::Solid } else { Stroke::Dashed };
-        layers.push(Layer::Line { name: escape(name), color: *color, width: 2.0, stroke, runs: vec![run] });
+        layers.push(Layer::Line {
+            name: escape(name),
+            color: *color,
+            width: 2.0,
+            stroke,
+            runs: vec![run],
+            of: Of::Points,
+        });
     }
     (!layers.is_empty()).then(|| Figure {
         title: Cow::Borrowed("At which distances correlation acts"),
@@ -192,5 +240,6 @@ pub(super) fn lags(a: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: Some(Numbers { table: "attribution_lags.csv", x: "r", x_factor: 1.0 }),
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::display::{DC, escape, human, sequential};
 use crate::estimate::Analysis;
-use crate::statistics::{Bar, Image};
+use crate::statistics::{At, Bar, Cells, Image, Steps};
 
 /// Pixels of the longer side, about.
 const TARGET: f64 = 640.0;
@@ -23,8 +23,9 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
     let zoom = [0, 1].map(|a| (TARGET * (sides[a] / longest).max(THINNEST) / cells as f64).round().max(1.0) as usize);
     let depth = if dim == 3 { cells } else { 1 };
     let tone = |lambda: f64| if largest > least { (lambda - least) / (largest - least) } else { 0.5 };
+    let at = |x: usize, y: usize| (x * cells + y) * depth + depth / 2;
     let color = |x: usize, y: usize| {
-        let cell = (x * cells + y) * depth + depth / 2;
+        let cell = at(x, y);
         if found.inside[cell] { sequential(tone(found.lambda[cell])) } else { DC }
     };
     let (width, height) = (cells * zoom[0], cells * zoom[1]);
@@ -40,6 +41,16 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
         human(largest)
     );
     let ticks = (0..=4).map(|k| f64::from(k) / 4.0).map(|t| (t, human(least + t * (largest - least)))).collect();
+    let origin = analysis.domain.origin();
+    let along = |axis: usize| {
+        let step = sides[axis] / cells as f64;
+        let first = origin[axis] + 0.5 * step;
+        let (first, step) = if axis == 0 { (first, step) } else { (origin[axis] + sides[axis] - 0.5 * step, -step) };
+        Steps { name: ["x", "y"][axis].into(), at: At::Even { first, step, count: cells, each: 1 } }
+    };
+    let inside = |cell: usize| if found.inside[cell] { found.lambda[cell] } else { f64::NAN };
+    let values = (0..cells).rev().flat_map(|y| (0..cells).map(move |x| at(x, y))).map(inside).collect();
+    let shown = Cells { place: [0.0, 0.0, 1.0, 1.0], axes: [along(0), along(1)], quantity: "λ", values };
     Some(Image {
         rgb,
         size: [width as u32, height as u32],
@@ -48,6 +59,7 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
         seen,
         alt: "Intensity on a grid",
         bar: Bar::Sequential(ticks),
+        cells: vec![shown],
     })
 }
 

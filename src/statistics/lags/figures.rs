@@ -1,7 +1,7 @@
 //! Pictures of g of the vector: on the grid of lags, in colours that part at g = 1, lag 0 at the centre, the y axis up; and along
 //! rings, by direction.
 
-use crate::display::figure::{BLUE, Figure, GREEN, Layer, ORANGE, PURPLE, SKY, Stroke, VERMILION, band_runs, runs};
+use crate::display::figure::{BLUE, Figure, GREEN, Layer, ORANGE, Of, PURPLE, SKY, Stroke, VERMILION, band_runs, runs};
 use crate::display::{
     Units, about_one, diverging, error_note, escape, human, lag_color_range, lag_planes, lag_slice, size,
 };
@@ -9,7 +9,7 @@ use crate::estimate::{Analysis, Normalization, VectorCorrelation};
 use crate::plan::Correction;
 use crate::statistics::axes;
 use crate::statistics::layers::half_turn;
-use crate::statistics::{Bar, Image};
+use crate::statistics::{At, Bar, Cells, Image, Steps, cell};
 
 /// Pixels a panel is magnified towards, by a whole factor.
 const TARGET: f64 = 640.0;
@@ -36,6 +36,7 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
 
     let mut image = vec![255u8; 3 * (width * height) as usize];
     let mut left = 0;
+    let mut cells = Vec::new();
     for &[right, up] in panels {
         let (dx, dy) = (pixels(right), pixels(up));
         for y in 0..size(up) {
@@ -45,6 +46,19 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
                 image[at..at + 3].copy_from_slice(&diverging((g - low) / (high - low)));
             }
         }
+        let part = |x: u32, of: u32| f64::from(x) / f64::from(of);
+        let along = |axis: usize, sign: f64| {
+            let (step, count) = (sign * grid.width(axis), bins);
+            let first = sign * (0.5 * grid.width(axis) - grid.half[axis]);
+            Steps { name: format!("h_{}", ["x", "y", "z"][axis]), at: At::Even { first, step, count, each: 1 } }
+        };
+        let places = (0..bins).rev().flat_map(|y| (0..bins).map(move |x| [x, y]));
+        cells.push(Cells {
+            place: [part(left, width), 0.0, part(left + size(right), width), part(size(up), height)],
+            axes: [along(right, 1.0), along(up, -1.0)],
+            quantity: "g(h)",
+            values: places.map(|place| lag_slice(vector, [right, up], place)).collect(),
+        });
         left += size(right) + GAP;
     }
 
@@ -68,6 +82,7 @@ pub(super) fn image(analysis: &Analysis) -> Option<Image> {
         seen: caption,
         alt: "Pair correlation function on the grid of lags",
         bar: Bar::AboutOne([low, high]),
+        cells,
     })
 }
 
@@ -124,7 +139,8 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
         layers.push(Layer::Band { name: String::new(), color, runs: band_runs(band) });
         let name = format!("r = {}", human(ring[0].r[1]));
         let line = runs(samples.iter().map(|&(x, y)| (x, y.map(|y| y.0))));
-        layers.push(Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: line });
+        let of = Of::Rows("g", "r", cell(ring[0].r[1]));
+        layers.push(Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: line, of });
     }
     let units = Units::of(analysis).escaped();
     Some(Figure {
@@ -139,6 +155,7 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::PCF_ANGULAR.numbers(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! The picture of G and F, and its caption.
 
-use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::figure::{BLUE, Figure, GREEN, INK, Layer, Of, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{Units, error_note, escape, extent, human, packing_symbol, shortened, size};
 use crate::estimate::{Analysis, NeighborFunctions};
 use crate::statistics::axes;
@@ -20,9 +20,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
         let range = |(y, se): (&Option<f64>, &Option<f64>)| y.zip(*se).map(|(y, se)| (y - se, y + se));
         band_runs(intervals().zip(y.iter().zip(se).map(range)))
     };
-    let curve = |name: &str, color, stroke, y: &[Option<f64>]| {
+    let curve = |name: &str, color, stroke, column: &'static str, y: &[Option<f64>]| {
         let runs = runs(intervals().zip(y.iter().copied()));
-        Layer::Line { name: name.into(), color, width: 1.6, stroke, runs }
+        Layer::Line { name: name.into(), color, width: 1.6, stroke, runs, of: Of::Column(column.into()) }
     };
     let poisson: Vec<_> = functions.poisson.iter().copied().map(Some).collect();
     let at: Vec<_> = intervals().collect();
@@ -33,9 +33,9 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
     layers.extend([
         Layer::Band { name: "G ±1 s.e.".into(), color: BLUE, runs: band(&functions.g, &functions.g_se) },
         Layer::Band { name: "F ±1 s.e.".into(), color: VERMILION, runs: band(&functions.f, &functions.f_se) },
-        curve("G: point to nearest point", BLUE, Stroke::Solid, &functions.g),
-        curve("F: place to nearest point", VERMILION, Stroke::Solid, &functions.f),
-        curve("Poisson: G = F", INK, Stroke::Dashed, &poisson),
+        curve("G: point to nearest point", BLUE, Stroke::Solid, "g_function", &functions.g),
+        curve("F: place to nearest point", VERMILION, Stroke::Solid, "f_function", &functions.f),
+        curve("Poisson: G = F", INK, Stroke::Dashed, "poisson", &poisson),
     ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
     let unit = analysis.domain.closest_packing_distance(analysis.shape.mean_points);
@@ -54,6 +54,7 @@ pub(super) fn functions(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
+        numbers: axes::NEIGHBORS.numbers(),
     })
 }
 
@@ -96,6 +97,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             width: 1.6,
             stroke: Stroke::Solid,
             runs: runs(r.iter().map(|&r| (r, r, r)).zip(j.iter().copied())),
+            of: Of::Column(format!("j_function_{from}_{to}").into()),
         });
     }
     let units = Units::of(analysis).escaped();
@@ -111,6 +113,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::NEIGHBORS_CROSS.numbers(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! Pictures of g, of two classes and of K, and their captions.
 
-use crate::display::figure::{BLUE, Figure, GREEN, Layer, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
+use crate::display::figure::{BLUE, Figure, GREEN, Layer, Of, Stroke, TopAxis, VERMILION, band_runs, runs, sub};
 use crate::display::{
     Panel, Units, decades, error_note, escape, extent, grow, human, inhomogeneous_caption, kernel_name, packing_symbol,
     shortened, size_and_weights, top_of,
@@ -38,12 +38,20 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
             width: 1.6,
             stroke: Stroke::Solid,
             runs: runs(samples.values()),
+            of: Of::Column("g".into()),
         },
     ]);
     if let Some(k) = kernel {
         let name = format!("{} kernel", kernel_name(k.kernel.shape));
         let smoothed = intervals.iter().zip(&k.g).map(|(&x, &g)| (x, g));
-        layers.push(Layer::Line { name, color: VERMILION, width: 1.4, stroke: Stroke::Solid, runs: runs(smoothed) });
+        layers.push(Layer::Line {
+            name,
+            color: VERMILION,
+            width: 1.4,
+            stroke: Stroke::Solid,
+            runs: runs(smoothed),
+            of: Of::Column("g_kernel".into()),
+        });
     }
     layers.extend(closed_form(analysis, &samples, analysis.closed_form.g.is_some()));
     let (d, which) = packing_symbol(analysis.domain.dim());
@@ -75,6 +83,7 @@ pub(super) fn pcf(analysis: &Analysis) -> Option<Figure> {
         log_y,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
+        numbers: axes::PCF.numbers(),
     })
 }
 
@@ -124,7 +133,14 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
     let top = top_of(&values, &own);
     let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
     let at = |g: &[f64]| runs(intervals.iter().zip(g).map(|(&x, &g)| (x, Some(g))));
-    let line = |name, color, g: &[f64]| Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: at(g) };
+    let line = |[from, to]: [usize; 2], color, g: &[f64]| Layer::Line {
+        name: format!("{} – {}", [&a, &b][from], [&a, &b][to]),
+        color,
+        width: 1.6,
+        stroke: Stroke::Solid,
+        runs: at(g),
+        of: Of::Column(format!("g_{}_{}", cross.classes[from], cross.classes[to]).into()),
+    };
     let layers = vec![
         Layer::Level { name: "g = 1".into(), y: 1.0 },
         Layer::Band {
@@ -132,9 +148,9 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
             color: BLUE,
             runs: band_runs(intervals.iter().zip(&values).map(|(&x, &(g, se))| (x, Some((g - se, g + se))))),
         },
-        line(format!("{a} – {a}"), GREEN, &cross.a.g),
-        line(format!("{b} – {b}"), VERMILION, &cross.b.g),
-        line(format!("{a} – {b}"), BLUE, &between.g),
+        line([0, 0], GREEN, &cross.a.g),
+        line([1, 1], VERMILION, &cross.b.g),
+        line([0, 1], BLUE, &between.g),
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
@@ -154,6 +170,7 @@ pub(super) fn cross(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::PCF_CROSS.numbers(),
     })
 }
 
@@ -200,6 +217,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
             width: 1.6,
             stroke: Stroke::Solid,
             runs: runs(intervals.iter().zip(&values).map(|(&x, v)| (x, v.0.is_finite().then_some(v.0)))),
+            of: Of::Column("l_minus_r".into()),
         },
     ]);
     let (d, which) = packing_symbol(analysis.domain.dim());
@@ -218,6 +236,7 @@ pub(super) fn k_function(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: Some(TopAxis { label: format!("r / {symbol} ({symbol} = {}, closest packing)", human(unit)), unit }),
         layers,
+        numbers: axes::K_FUNCTION.numbers(),
     })
 }
 
@@ -254,7 +273,14 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
     let pad = (0.06 * (hi - lo)).max(1e-3 * intervals.last()?.2);
     let [a, b] = cross.classes.each_ref().map(|name| escape(&shortened(name, 18)));
     let at = |k: &KFunction| runs(intervals.iter().zip(&k.l_minus_r).map(|(&x, &l)| (x, l.is_finite().then_some(l))));
-    let line = |name, color, k: &KFunction| Layer::Line { name, color, width: 1.6, stroke: Stroke::Solid, runs: at(k) };
+    let line = |[from, to]: [usize; 2], color, k: &KFunction| Layer::Line {
+        name: format!("{} – {}", [&a, &b][from], [&a, &b][to]),
+        color,
+        width: 1.6,
+        stroke: Stroke::Solid,
+        runs: at(k),
+        of: Of::Column(format!("l_minus_r_{}_{}", cross.classes[from], cross.classes[to]).into()),
+    };
     let layers = vec![
         Layer::Level { name: "independent: L = r".into(), y: 0.0 },
         Layer::Band {
@@ -262,9 +288,9 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
             color: BLUE,
             runs: band_runs(intervals.iter().copied().zip(all[2].iter().copied())),
         },
-        line(format!("{a} – {a}"), GREEN, &cross.a),
-        line(format!("{b} – {b}"), VERMILION, &cross.b),
-        line(format!("{a} – {b}"), BLUE, between),
+        line([0, 0], GREEN, &cross.a),
+        line([1, 1], VERMILION, &cross.b),
+        line([0, 1], BLUE, between),
     ];
     let units = Units::of(analysis).escaped();
     Some(Figure {
@@ -279,6 +305,7 @@ pub(super) fn cross_k(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::K_FUNCTION_CROSS.numbers(),
     })
 }
 

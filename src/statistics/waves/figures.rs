@@ -1,6 +1,6 @@
 //! Curves of P: over rings, along axes, by direction; and their captions.
 
-use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, SKY, Stroke, VERMILION, band_runs, runs};
+use crate::display::figure::{BLUE, Figure, GREEN, GREY, Layer, Of, SKY, Stroke, VERMILION, band_runs, runs};
 use crate::display::{
     FrequencyUnit, Panel, Units, about_one, defined_anisotropy, error_note, human, inhomogeneous_caption,
     size_and_weights, top_of,
@@ -29,6 +29,7 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
             width: 1.6,
             stroke: Stroke::Solid,
             runs: runs(samples.values()),
+            of: Of::Column("p".into()),
         },
     ];
     layers.extend(closed_form(analysis, &samples, analysis.closed_form.radial.is_some()));
@@ -51,6 +52,7 @@ pub(super) fn radial(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::RADIAL.numbers(),
     })
 }
 
@@ -102,6 +104,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
             width: 1.6,
             stroke: Stroke::Solid,
             runs: runs(samples.values()),
+            of: Of::Column("anisotropy_db".into()),
         },
     ];
     layers.extend(mean_frequency(analysis, x.end));
@@ -124,6 +127,7 @@ pub(super) fn anisotropy(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::ANISOTROPY.numbers(),
     })
 }
 
@@ -158,8 +162,15 @@ pub(super) fn along_axes(analysis: &Analysis) -> Option<Figure> {
     for slice in slices {
         let (half, axis) = (half(slice), slice[0].axis);
         let line = runs(slice.iter().map(|m| (interval(m, half), Some(m.p))));
-        let name = format!("along {}", ["x", "y", "z"][axis]);
-        layers.push(Layer::Line { name, color: colors[axis], width: 1.3, stroke: Stroke::Solid, runs: line });
+        let letter = ["x", "y", "z"][axis];
+        layers.push(Layer::Line {
+            name: format!("along {letter}"),
+            color: colors[axis],
+            width: 1.3,
+            stroke: Stroke::Solid,
+            runs: line,
+            of: Of::Rows("p", "axis", letter.into()),
+        });
     }
     layers.extend(mean_frequency(analysis, end));
     let bands = if banded { "bands: 95 % of each mode" } else { "single modes; their 95 % bands are in the file" };
@@ -176,6 +187,7 @@ pub(super) fn along_axes(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::AXES.numbers(),
     })
 }
 
@@ -215,6 +227,7 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
             width: 1.6,
             stroke: Stroke::Solid,
             runs: runs(samples.iter().map(|&(x, s)| (x, s.ratio))),
+            of: Of::Column("ratio".into()),
         },
     ];
     let units = Units::of(analysis).escaped();
@@ -235,6 +248,7 @@ pub(super) fn angular(analysis: &Analysis) -> Option<Figure> {
         log_y: false,
         top: None,
         layers,
+        numbers: axes::ANGULAR.numbers(),
     })
 }
 

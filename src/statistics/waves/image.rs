@@ -3,7 +3,7 @@
 use super::figures::DEFINITION;
 use crate::display::{DC, ToneMap, escape, human, inhomogeneous_caption, middle, paper, peak, sequential};
 use crate::estimate::Analysis;
-use crate::statistics::{Bar, Image};
+use crate::statistics::{Bar, Cells, Image};
 
 /// What a colour means, in words; the same text is in the file and in the page.
 pub(crate) fn tone_text() -> String {
@@ -100,6 +100,7 @@ pub(crate) fn image(analysis: &Analysis) -> Option<Image> {
         seen: caption,
         alt: "Power spectrum on the frequency grid",
         bar: Bar::Sequential(ToneMap::Reinhard.ticks(n)),
+        cells: vec![Cells::of_modes([h0, h1], "P(m)", |[m0, m1]| p(m0, m1))],
     })
 }
 
@@ -130,6 +131,8 @@ pub(super) fn grey(analysis: &Analysis) -> Option<Image> {
         seen,
         alt: "Power spectrum on the frequency grid, in grey",
         bar: Bar::Sequential(paper::TONES.ticks(1.0)),
+        // It has no place in the page.
+        cells: Vec::new(),
     })
 }
 
