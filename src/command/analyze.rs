@@ -133,7 +133,9 @@ impl Analyze {
     fn conclude(&self, mut found: Analysis, out: Option<&Path>, sums: Option<&[u8]>) -> Result<()> {
         found.parameters.push(("command".into(), command_line().into()));
         let force = self.force || self.batch.owns();
-        let files = out.map(|out| uninterrupted(|| report::write_with(out, &found, sums, force))).transpose()?;
+        let files = out
+            .map(|out| uninterrupted(|| report::write_with(out, &found, self.batch.beside(sums), force)))
+            .transpose()?;
         say(&found, out.zip(files.as_deref()), self.quiet)
     }
 
@@ -155,7 +157,7 @@ impl Analyze {
             Some(mut found) => {
                 found.parameters.push(("command".into(), command_line().into()));
                 let (sums, force) = (measurement.write(), self.force || self.batch.owns());
-                uninterrupted(|| report::write_with(out, &found, Some(&sums), force)).map(drop)
+                uninterrupted(|| report::write_with(out, &found, self.batch.beside(Some(&sums)), force)).map(drop)
             }
             None => uninterrupted(|| measurement.save(out)),
         };

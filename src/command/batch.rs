@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use pairwave::analysis::{Job, Measurement};
 use pairwave::compute::Device;
+use pairwave::report::Beside;
 use pairwave::{Error, Result, Setting, report};
 
 use super::progress::Tell;
@@ -57,6 +58,13 @@ pub(crate) struct Batch {
     /// Keep the raw sums beside the result, for --extend and `pairwave merge`
     #[arg(long, help_heading = "Batches", hide_short_help = true, requires = "out")]
     pub(crate) keep_sums: bool,
+
+    /// Write all numbers into one file too, results.npz
+    ///
+    /// Write all numbers into one file too, results.npz in --out, beside the tables and arrays: numpy reads the columns of tables as
+    /// pcf/g, the arrays as spectrum
+    #[arg(long, help_heading = "Output", hide_short_help = true, requires = "out")]
+    npz: bool,
 }
 
 /// `3/20`
@@ -93,8 +101,14 @@ impl Batch {
             (Setting::Extend, self.extend.is_some()),
             (Setting::TimeLimit, self.time_limit.is_some()),
             (Setting::KeepSums, self.keep_sums),
+            (Setting::Npz, self.npz),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(setting, _)| setting)
+    }
+
+    /// What is written beside the result.
+    pub(crate) fn beside<'a>(&self, sums: Option<&'a [u8]>) -> Beside<'a> {
+        Beside { sums, npz: self.npz }
     }
 
     /// Whether the run may write into `out`, asked before the long work.

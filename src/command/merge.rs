@@ -26,6 +26,10 @@ pub(crate) struct Merge {
     #[arg(long)]
     keep_sums: bool,
 
+    /// Write all numbers into one file too, results.npz
+    #[arg(long)]
+    npz: bool,
+
     /// Replace a result that is already there
     #[arg(long)]
     force: bool,
@@ -62,7 +66,8 @@ impl Merge {
         let mut found = whole.analysis().ok_or_else(nothing)?;
         found.parameters.push(("command".into(), command_line().into()));
         let sums = self.keep_sums.then(|| whole.write());
-        let files = uninterrupted(|| report::write_with(&self.out, &found, sums.as_deref(), self.force))?;
+        let beside = report::Beside { sums: sums.as_deref(), npz: self.npz };
+        let files = uninterrupted(|| report::write_with(&self.out, &found, beside, self.force))?;
         say(&found, Some((&self.out, &files)), self.quiet)
     }
 }

@@ -7,6 +7,7 @@ mod headline;
 mod html;
 mod integrand_picture;
 mod npy;
+mod npz;
 mod outputs;
 pub mod panel;
 mod picture_figure;
@@ -49,6 +50,9 @@ pub const SUMS: &str = "partial.sums";
 /// The same while they are being written.
 pub(crate) const SUMS_NEW: &str = "partial.sums.new";
 
+/// All numbers of a result in one file.
+const NUMBERS: &str = "results.npz";
+
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
     outputs::all()
@@ -56,7 +60,7 @@ fn names() -> Vec<&'static str> {
         .map(|output| output.name)
         .chain(OF_SURVEYS)
         .chain(OF_CONVERGENCE)
-        .chain([SUMS, SUMS_NEW, PAGE, SUMMARY])
+        .chain([NUMBERS, SUMS, SUMS_NEW, PAGE, SUMMARY])
         .collect()
 }
 
@@ -153,14 +157,23 @@ pub fn check_inputs(dir: &Path, request: &Request) -> Result<()> {
 /// # Errors
 /// As `check_out`; what the file system says. Nothing is left half-written.
 pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf>> {
-    write_with(dir, analysis, None, force)
+    write_with(dir, analysis, Beside::default(), force)
 }
 
-/// The same with the raw sums, as bytes, beside it.
+/// What is written beside a result, if it is asked for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// The raw sums, as bytes.
+    pub sums: Option<&'a [u8]>,
+    /// All numbers in one file, `results.npz`.
+    pub npz: bool,
+}
+
+/// The same with more beside it.
 ///
 /// # Errors
 /// As `write`.
-pub fn write_with(dir: &Path, analysis: &Analysis, sums: Option<&[u8]>, force: bool) -> Result<Vec<PathBuf>> {
+pub fn write_with(dir: &Path, analysis: &Analysis, beside: Beside<'_>, force: bool) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         let mut pictures = BTreeMap::new();
         for output in outputs::all() {
@@ -173,7 +186,10 @@ pub fn write_with(dir: &Path, analysis: &Analysis, sums: Option<&[u8]>, force: b
                 Err(e) => files.add(output.name, |_| Err(e)),
             }
         }
-        if let Some(sums) = sums {
+        if beside.npz {
+            files.add(NUMBERS, |file| npz::write(analysis, file));
+        }
+        if let Some(sums) = beside.sums {
             files.add(SUMS, |file| file.write_all(sums));
         }
         files.add(PAGE, |file| file.write_all(html::page(analysis, &pictures).as_bytes()));

@@ -242,6 +242,7 @@ impl Setting {
             Self::Extend => "--extend",
             Self::TimeLimit => "--time-limit",
             Self::KeepSums => "--keep-sums",
+            Self::Npz => "--npz",
             Self::Partial => "--partial",
             Self::PowerFrom => "--p",
             Self::Tolerance => "--tolerance",

@@ -26,7 +26,7 @@ pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
 pub(crate) use output::{Array, Bar, Image, Make, Map, Output, Place, Shown, Svg, Turn, Values};
-pub(crate) use table::Table;
+pub(crate) use table::{Cells, Table};
 
 use crate::error::Result;
 use crate::estimate::{Analysis, Curve};

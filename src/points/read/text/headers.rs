@@ -407,7 +407,7 @@ fn is_frame(name: &[u8]) -> bool {
 /// Whether a column of this name holds degrees.
 pub(super) fn is_degrees(name: &str) -> bool {
     let bare = without_unit(name.as_bytes());
-    let unit = &name.trim()[bare.len()..];
+    let unit = &name.trim_ascii()[bare.len()..];
     // Those of a thermometer are no angles.
     let of_heat = |unit: &str| unit.ends_with(['c', 'f', 'k']);
     let in_degrees = |unit: &str, plain: &str| (plain.starts_with("deg") || unit.contains('\u{b0}')) && !of_heat(plain);
