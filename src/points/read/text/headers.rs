@@ -54,6 +54,9 @@ impl Layout {
     /// What columns of these names hold.
     pub(in crate::points::read) fn of_names(chosen: &Columns, names: &[&[u8]], line: u64) -> Result<Self, String> {
         let width = names.len();
+        if width == 0 {
+            return Err("no columns".into());
+        }
         let marks = chosen.find(width, names)?;
         let bare: Vec<&[u8]> = names.iter().map(|name| without_unit(name)).collect();
         let rows = chosen.rows;
