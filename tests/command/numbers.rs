@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::io::Read as _;
 
-use crate::shared::{Scratch, npy, summary, table};
+use crate::shared::{Scratch, npy, summary};
 
 #[test]
 fn the_archive_holds_every_number_of_the_tables_and_arrays() {
@@ -31,7 +31,12 @@ fn the_archive_holds_every_number_of_the_tables_and_arrays() {
             arrays += 1;
         }
         let Some(stem) = file.strip_suffix(".csv") else { continue };
-        for (column, cells) in table(&path) {
+        // Specifications of integrands have commas.
+        let mut reader = csv::Reader::from_path(&path).unwrap();
+        let header: Vec<String> = reader.headers().unwrap().iter().map(String::from).collect();
+        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        for (k, column) in header.iter().enumerate() {
+            let cells: Vec<&str> = rows.iter().map(|row| &row[k]).collect();
             let name = format!("{stem}/{column}.npy");
             let numeric = cells.iter().all(|cell| cell.is_empty() || cell.parse::<f64>().is_ok());
             if !names.remove(&name) {
