@@ -175,6 +175,8 @@ settings! {
     UntilError = "until_error",
     /// Whether sums are kept beside a result.
     KeepSums = "keep_sums",
+    /// Whether all numbers are written into one file too.
+    Npz = "npz",
     /// Whether a merged result may lack realizations.
     Partial = "partial",
     /// The spectrum that errors of integrals are predicted from.

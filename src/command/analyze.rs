@@ -8,7 +8,7 @@ use pairwave::analysis::{Analysis, Ended, Measurement, Plan};
 use pairwave::compute::Device;
 use pairwave::control::Control;
 use pairwave::prediction::Predicted;
-use pairwave::report::{Asked, Beside};
+use pairwave::report::Asked;
 use pairwave::request::Request;
 use pairwave::source::{AllAxes, Points};
 use pairwave::survey::{self, Prefixes, Views};
@@ -202,7 +202,7 @@ impl Analyze {
         let asked = config::asked();
         found.parameters.push(("command".into(), asked.command.into()));
         let force = self.force || self.batch.owns();
-        let beside = Beside { sums, settings: asked.settings.as_deref() };
+        let beside = self.batch.beside(sums, asked.settings.as_deref());
         let files = out.map(|out| uninterrupted(|| report::write_with(out, &found, beside, force))).transpose()?;
         say(&found, out.zip(files.as_deref()), self.quiet)
     }
@@ -226,7 +226,7 @@ impl Analyze {
                 let asked = config::asked();
                 found.parameters.push(("command".into(), asked.command.into()));
                 let (sums, force) = (measurement.write(), self.force || self.batch.owns());
-                let beside = Beside { sums: Some(&sums), settings: asked.settings.as_deref() };
+                let beside = self.batch.beside(Some(&sums), asked.settings.as_deref());
                 uninterrupted(|| report::write_with(out, &found, beside, force)).map(drop)
             }
             None => uninterrupted(|| measurement.save(out)),

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use pairwave::analysis::{Job, Measurement, Target};
 use pairwave::compute::Device;
+use pairwave::report::Beside;
 use pairwave::{Error, Result, Setting, report};
 
 use super::progress::Tell;
@@ -67,6 +68,13 @@ pub(crate) struct Batch {
     /// Keep the raw sums beside the result, for --extend and `pairwave merge`
     #[arg(long, help_heading = "Batches", hide_short_help = true, requires = "out")]
     pub(crate) keep_sums: bool,
+
+    /// Write all numbers into one file too, results.npz
+    ///
+    /// Write all numbers into one file too, results.npz in --out, beside the tables and arrays: numpy reads the columns of tables as
+    /// pcf/g, the arrays as spectrum
+    #[arg(long, help_heading = "Output", hide_short_help = true, requires = "out")]
+    npz: bool,
 }
 
 /// `3/20`
@@ -104,6 +112,7 @@ impl Batch {
             (Setting::TimeLimit, self.time_limit.is_some()),
             (Setting::UntilError, !self.until_error.is_empty()),
             (Setting::KeepSums, self.keep_sums),
+            (Setting::Npz, self.npz),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(setting, _)| setting)
     }
@@ -117,6 +126,11 @@ impl Batch {
     /// Whether there is nothing left to go on with in `out`.
     pub(crate) fn is_whole(&self, out: &Path) -> bool {
         self.resume && out.join("summary.json").exists() && !out.join(report::SUMS).exists()
+    }
+
+    /// What is written beside the result.
+    pub(crate) fn beside<'a>(&self, sums: Option<&'a [u8]>, settings: Option<&'a str>) -> Beside<'a> {
+        Beside { sums, settings, npz: self.npz }
     }
 
     /// Whether the run may write into `out`, asked before the long work.

@@ -28,6 +28,10 @@ pub(crate) struct Merge {
     #[arg(long)]
     keep_sums: bool,
 
+    /// Write all numbers into one file too, results.npz
+    #[arg(long)]
+    npz: bool,
+
     /// Replace a result that is already there
     #[arg(long)]
     force: bool,
@@ -65,7 +69,7 @@ impl Merge {
         let asked = config::asked();
         found.parameters.push(("command".into(), asked.command.into()));
         let sums = self.keep_sums.then(|| whole.write());
-        let beside = Beside { sums: sums.as_deref(), settings: asked.settings.as_deref() };
+        let beside = Beside { sums: sums.as_deref(), settings: asked.settings.as_deref(), npz: self.npz };
         let files = uninterrupted(|| report::write_with(&self.out, &found, beside, self.force))?;
         say(&found, Some((&self.out, &files)), self.quiet)
     }

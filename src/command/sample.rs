@@ -39,7 +39,7 @@ pub(crate) struct Sample {
     #[arg(long = "param", value_name = "KEY=VALUE")]
     params: Vec<String>,
 
-    /// The file; its extension chooses the format: csv, txt, npy, npz, ply, xyz, bin (UTK), rps, f32, f64
+    /// The file; its extension chooses the format: csv, txt, npy, npz, ply, xyz, bin (UTK), rps, f32, f64; parquet, arrow where built in
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 

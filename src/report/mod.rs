@@ -8,6 +8,7 @@ mod headline;
 mod html;
 mod integrand_picture;
 mod npy;
+mod npz;
 mod outputs;
 pub mod panel;
 mod picture_figure;
@@ -71,7 +72,12 @@ pub struct Beside<'a> {
     pub sums: Option<&'a [u8]>,
     /// The content of a file of settings that does it again.
     pub settings: Option<&'a str>,
+    /// Whether all numbers are in one file too, `results.npz`.
+    pub npz: bool,
 }
+
+/// All numbers of a result in one file.
+const NUMBERS: &str = "results.npz";
 
 /// Every name this room may write.
 fn names() -> Vec<&'static str> {
@@ -81,7 +87,7 @@ fn names() -> Vec<&'static str> {
         .chain(OF_SURVEYS)
         .chain(OF_CONVERGENCE)
         .chain(OF_COMPARISON)
-        .chain([SUMS, SUMS_NEW, SETTINGS, PAGE, SUMMARY])
+        .chain([NUMBERS, SUMS, SUMS_NEW, SETTINGS, PAGE, SUMMARY])
         .collect()
 }
 
@@ -224,6 +230,9 @@ pub fn write_with(dir: &Path, analysis: &Analysis, beside: Beside<'_>, force: bo
                 }
                 Err(e) => files.add(output.name, |_| Err(e)),
             }
+        }
+        if beside.npz {
+            files.add(NUMBERS, |file| npz::write(analysis, file));
         }
         if let Some(sums) = beside.sums {
             files.add(SUMS, |file| file.write_all(sums));

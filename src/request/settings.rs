@@ -243,6 +243,7 @@ impl Setting {
             Self::TimeLimit => "--time-limit",
             Self::UntilError => "--until-error",
             Self::KeepSums => "--keep-sums",
+            Self::Npz => "--npz",
             Self::Partial => "--partial",
             Self::PowerFrom => "--p",
             Self::Beside => "--beside",

@@ -42,7 +42,7 @@ impl Axis {
 /// The exponent of the lowest bit of a number.
 fn lowest_bit(x: f64) -> i32 {
     let zeros = (x.to_bits() | 1 << 52).trailing_zeros() as i32;
-    if x == 0.0 { i32::MAX } else { libm::ilogb(x) - 52 + zeros }
+    if x == 0.0 || !x.is_finite() { i32::MAX } else { libm::ilogb(x) - 52 + zeros }
 }
 
 impl Extent {

@@ -28,7 +28,7 @@ pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
 pub(crate) use output::{Array, At, Bar, Cells, Image, Make, Map, Output, Place, Shown, Steps, Svg, Turn, Values};
-pub(crate) use table::{Table, cell};
+pub(crate) use table::{NumberCells, Table, cell};
 
 use crate::error::Result;
 use crate::estimate::{Analysis, Curve};

@@ -12,6 +12,12 @@ pub(crate) struct Table {
     columns: Vec<(Name, Vec<String>)>,
 }
 
+/// The numbers of a column, NaN where one is undefined.
+pub(crate) enum NumberCells<R, I> {
+    Real(R),
+    Integer(I),
+}
+
 /// A float as the shortest decimal that reads back as the same f64, zero without a sign; undefined or infinite: empty.
 pub(crate) fn cell(x: f64) -> String {
     if x.is_finite() { format!("{:?}", x + 0.0) } else { String::new() }
@@ -58,12 +64,36 @@ impl Table {
         self.columns.iter().map(|(name, cells)| (name.as_ref(), cells.as_slice()))
     }
 
+    /// How many rows it has.
+    pub(crate) fn rows(&self) -> usize {
+        self.columns.iter().map(|column| column.1.len()).max().unwrap_or(0)
+    }
+
+    /// Its columns of numbers, a number for each row: cells read back as what was written.
+    pub(crate) fn numbers(
+        &self,
+    ) -> impl Iterator<Item = (&str, NumberCells<impl Iterator<Item = f64>, impl Iterator<Item = u64>>)> {
+        let rows = self.rows();
+        self.columns.iter().filter_map(move |(name, texts)| {
+            let cells = (0..rows).map(move |row| texts.get(row).map_or("", String::as_str));
+            let are = |number: fn(&str) -> bool| texts.len() == rows && texts.iter().all(|text| number(text));
+            // A real number has a point or an exponent.
+            let numbers = if are(|text| text.parse::<u64>().is_ok()) {
+                NumberCells::Integer(cells.map(|cell| cell.parse().unwrap_or(0)))
+            } else if texts.iter().all(|text| text.is_empty() || text.parse::<f64>().is_ok()) {
+                NumberCells::Real(cells.map(|cell| cell.parse().unwrap_or(f64::NAN)))
+            } else {
+                return None;
+            };
+            Some((name.as_ref(), numbers))
+        })
+    }
+
     /// The table as CSV: one header line, then one line per row.
     pub(crate) fn csv(&self) -> std::io::Result<Vec<u8>> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(self.columns.iter().map(|c| c.0.as_ref()))?;
-        let rows = self.columns.iter().map(|c| c.1.len()).max().unwrap_or(0);
-        for row in 0..rows {
+        for row in 0..self.rows() {
             // A column that is too short leaves cells empty; the reader sees a hole, not a shifted table.
             writer.write_record(self.columns.iter().map(|c| c.1.get(row).map_or("", String::as_str)))?;
         }

@@ -13,7 +13,7 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
     scratch.file("edge.txt", "0.1 0.2\n1 0.2\n");
     scratch.file("index.txt", "0 0.1 0.2\n1 0.3 0.9\n2 0.5 0.5\n3 0.7 0.1\n");
     scratch.file("hole.csv", "x,y\n0.1,0.2\n,\n0.3,0.9\n");
-    scratch.file("atoms.xyz", "1\n\nAr 0.1 0.2 0.3\n");
+    scratch.file("atoms.cif", "data_x\n_cell_length_a 5\nloop_\n");
     scratch.file("kx.csv", "kx,ky\n6.28,0\n");
     scratch.file("nu.csv", "nu_x,nu_y\n1,0\n");
     scratch.file("yz.csv", "m_y,m_z\n1,0\n");
@@ -286,9 +286,9 @@ fn errors_name_the_flag_the_value_and_what_would_be_right() {
         ),
         ("analyze hole.csv", 1, "hole.csv:3: a row of empty fields with points after it; fill it in, or delete it"),
         (
-            "analyze atoms.xyz",
+            "analyze atoms.cif",
             1,
-            "atoms.xyz: XYZ (count, comment, elements), which is not read here; write the positions as CSV with a header x,y,z, or with OVITO and numpy as .npy, shape (K, n, d)",
+            "atoms.cif: CIF, which is not read here; save the positions with MDAnalysis or ASE and numpy as .npy, shape (K, n, d)",
         ),
         (
             "analyze ok.csv --box 2,2 --stats spectrum --frequencies nu.csv",

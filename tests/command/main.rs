@@ -16,6 +16,7 @@ mod errors;
 mod examples;
 mod first_order;
 mod listings;
+mod numbers;
 mod pair_correlation;
 mod plot;
 mod polygon;

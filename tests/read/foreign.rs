@@ -43,6 +43,10 @@ fn formats_of_other_trades_are_named() {
         ("compressed with xz", b"\xfd7zXZ\0\0\0"),
     ];
     for (format, bytes) in table {
+        // Some builds read them.
+        if cfg!(feature = "tables") && ["Parquet", "Arrow (Feather)"].contains(format) {
+            continue;
+        }
         for name in ["a.xyz", "a.csv", "points"] {
             let said = read(name, bytes).unwrap_err();
             assert!(said.starts_with(&format!("{name}: {format}, which is not read here; ")), "{format}: {said}");

@@ -1,5 +1,7 @@
 //! Points from files of every format, and back.
 
+#[cfg(feature = "tables")]
+mod columnar;
 mod columns;
 mod files;
 mod foreign;

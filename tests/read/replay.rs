@@ -104,3 +104,89 @@ fn what_a_header_claims_is_not_taken_for_granted() {
         targets::run(name, &bytes);
     }
 }
+
+/// The corpus changed at random for as long as `PAIRWAVE_FUZZ_SECONDS` says, where there is no cargo-fuzz.
+#[test]
+#[ignore = "runs until it is told to end"]
+fn the_corpus_is_mutated() {
+    let seconds = std::env::var("PAIRWAVE_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(10.0);
+    let seed = std::env::var("PAIRWAVE_FUZZ_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(1u64);
+    let wanted = std::env::var("PAIRWAVE_FUZZ_TARGET").unwrap_or_default();
+    let targets: Vec<_> = targets::TARGETS.iter().filter(|(name, _)| name.contains(&wanted)).collect();
+    let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+    let until = std::time::Duration::from_secs_f64(seconds / targets.len() as f64);
+    for (name, target) in targets {
+        let corpus = corpus(name);
+        let (start, mut runs) = (std::time::Instant::now(), 0u64);
+        while start.elapsed() < until {
+            let bytes = mutated(&corpus, &mut random);
+            let began = std::time::Instant::now();
+            let read = std::panic::catch_unwind(|| target(&bytes));
+            if read.is_err() || began.elapsed().as_secs() > 2 {
+                let path = std::env::temp_dir().join(format!("pairwave_{name}_{runs}"));
+                std::fs::write(&path, &bytes).unwrap();
+                println!("{name}: {} in {:.1} s", path.display(), began.elapsed().as_secs_f64());
+            }
+            runs += 1;
+        }
+        println!("{name}: {runs} runs");
+    }
+}
+
+/// One of the corpus with some of it changed: bits, bytes, words, pieces of another.
+fn mutated(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+    const WORDS: [&[u8]; 26] = [
+        b"0",
+        b"-1",
+        b"nan",
+        b"inf",
+        b"1e999",
+        b"4294967295",
+        b"9223372036854775808",
+        b"18446744073709551616",
+        b",",
+        b"\n",
+        b"\n\n",
+        b"\"",
+        b" ",
+        b"\t",
+        b"#",
+        b"=",
+        b"(",
+        b"[",
+        b"{",
+        b"\0",
+        b"\xff\xff\xff\xff",
+        b"\x7f\xff\xff\xff",
+        b"x",
+        b"1.5",
+        b";",
+        b"'",
+    ];
+    let mut bytes = corpus[random.below(corpus.len())].clone();
+    for _ in 0..=random.below(5) {
+        let at = random.below(bytes.len() + 1);
+        let most = [1, 4, 16, 64][random.below(4)];
+        let end = (at + random.below(1 + most)).min(bytes.len());
+        match random.below(8) {
+            0 => bytes.truncate(at),
+            1 => drop(bytes.drain(at..end)),
+            2 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte ^= 1 << random.below(8)),
+            3 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte = random.below(256) as u8),
+            4 => drop(bytes.splice(at..end, WORDS[random.below(WORDS.len())].iter().copied())),
+            5 => drop(bytes.splice(at..at, WORDS[random.below(WORDS.len())].iter().copied())),
+            6 => {
+                let other = &corpus[random.below(corpus.len())];
+                let from = random.below(other.len() + 1);
+                let to = (from + random.below(64)).min(other.len());
+                drop(bytes.splice(at..end, other[from..to].iter().copied()));
+            }
+            _ => {
+                let piece = bytes[at..end].to_vec();
+                let to = random.below(bytes.len() + 1);
+                drop(bytes.splice(to..to, piece));
+            }
+        }
+    }
+    bytes
+}

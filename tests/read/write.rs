@@ -115,6 +115,19 @@ fn written_text_is_plain() {
     }
 }
 
+/// Of points with more coordinates than there are letters.
+#[test]
+fn many_coordinates_are_numbered() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("a.csv");
+    write_all(&path, &[hard(3, 5, 1)]).unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap().lines().next(), Some("x1,x2,x3,x4,x5"));
+    for name in ["a.ply", "a.xyz"] {
+        let error = write_all(&folder.path().join(name), &[hard(3, 5, 1)]).unwrap_err();
+        assert!(error.contains("holds points in space, these have 5 coordinates"), "{error}");
+    }
+}
+
 #[test]
 fn f32_formats_round_but_stay_below_one() {
     let folder = TempDir::new().unwrap();
@@ -176,6 +189,11 @@ fn what_cannot_be_written_leaves_nothing_behind() {
     ];
     for (name, sets, message) in table {
         assert_eq!(write_all(&folder.path().join(name), sets).unwrap_err(), *message);
+    }
+    if cfg!(not(feature = "tables")) {
+        let reason =
+            "out a.parquet: this pairwave was built without Parquet and Arrow; build it with `--features tables`";
+        assert_eq!(write_all(&folder.path().join("a.parquet"), &pair).unwrap_err(), reason);
     }
     let mut failing = [Ok(flat.clone()), Err(pairwave::Error::Cancelled)].into_iter();
     assert!(write(&folder.path().join("a.csv"), &mut failing, false).is_err());

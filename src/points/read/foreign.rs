@@ -10,6 +10,8 @@ const CSV: &str = "export the coordinates as CSV with a header x,y[,z]";
 const NUMPY: &str = "save the coordinates with numpy as .npy, shape (n, d)";
 const TABLE: &str = "save the sheet as CSV";
 const PANDAS: &str = "write the columns as CSV with pandas";
+/// Of what some builds read.
+const TABLES: &str = "build pairwave with `--features tables`, or write the columns as CSV with pandas";
 const GIS: &str = "export the points as CSV with a GIS, in metres (ogr2ogr -f CSV -lco GEOMETRY=AS_XY)";
 const CLOUD: &str = "export the points as text x y z with CloudCompare or a converter of point clouds";
 const ATOMS: &str = "save the positions with MDAnalysis or ASE and numpy as .npy, shape (K, n, d)";
@@ -28,9 +30,9 @@ const MAGICS: [(&[u8], Named); 55] = [
     (b"CDF\x05", ("NetCDF", NUMPY)),
     (b"SIMPLE  =", ("FITS", "write the columns as CSV with astropy")),
     (b"XTENSION=", ("FITS", "write the columns as CSV with astropy")),
-    (b"PAR1", ("Parquet", PANDAS)),
-    (b"PARE", ("Parquet", PANDAS)),
-    (b"ARROW1", ("Arrow (Feather)", PANDAS)),
+    (b"PAR1", ("Parquet", TABLES)),
+    (b"PARE", ("encrypted Parquet", PANDAS)),
+    (b"ARROW1", ("Arrow (Feather)", TABLES)),
     (b"FEA1", ("Feather", PANDAS)),
     (b"ORC", ("ORC", PANDAS)),
     (b"Obj\x01", ("Avro", PANDAS)),

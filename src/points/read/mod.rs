@@ -3,12 +3,14 @@
 //!
 //! 1. `--raw` given: raw numbers, whatever the file looks like.
 //! 2. `\x93NUMPY`, `PK`, `UTK!` at the start: `.npy`, `.npz`, UTK `.bin`.
-//! 3. Formats whose columns have names: PLY, VTK, XYZ, LAMMPS dumps, GeoJSON.
+//! 3. Formats whose columns have names: PLY, VTK, XYZ, LAMMPS dumps, GeoJSON, Parquet and Arrow.
 //! 4. Formats of other trades, which are named and refused.
 //! 5. Bytes that are text, in UTF-8 or UTF-16: text or CSV, whatever the name.
 //! 6. Other bytes: `.rps`, `.f32` and `.f64` by name. Without a telling name they are taken for `.rps` only if every
 //!    number is one that PSA could have written (a fraction in [0, 1)); anything else is an error, never a guess.
 
+#[cfg(feature = "tables")]
+mod columnar;
 mod columns;
 mod foreign;
 mod geojson;
@@ -55,7 +57,7 @@ pub struct ReadOptions {
 }
 
 /// File names that a directory may hold besides those without an extension.
-const KNOWN_EXTENSIONS: [&str; 18] = [
+const KNOWN_EXTENSIONS: [&str; 21] = [
     "csv",
     "tsv",
     "txt",
@@ -74,6 +76,9 @@ const KNOWN_EXTENSIONS: [&str; 18] = [
     "dump",
     "vtk",
     "geojson",
+    "parquet",
+    "arrow",
+    "feather",
 ];
 
 /// Reads every realization of every file, in order. An input is a file, a directory (its files in natural order,
@@ -548,6 +553,10 @@ fn tabled(name: &str, bytes: &[u8], columns: &Columns) -> Option<Result<Vec<Mark
     }
     if bytes.starts_with(vtk::MAGIC) {
         return Some(vtk::read(name, bytes, columns));
+    }
+    #[cfg(feature = "tables")]
+    if [columnar::PARQUET, columnar::ARROW].iter().any(|magic| bytes.starts_with(magic)) {
+        return Some(columnar::read(name, bytes, columns));
     }
     if !text::is_text(bytes) {
         return None;

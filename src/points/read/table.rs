@@ -114,6 +114,13 @@ impl<'a> Table<'a> {
         })
     }
 
+    /// Whether a column is looked at.
+    #[cfg(feature = "tables")]
+    pub(super) fn takes(&self, column: usize) -> bool {
+        let Layout { columns, marks, frames, .. } = &self.layout;
+        columns.contains(&column) || marks.contain(column) || frames.as_ref().is_some_and(|(k, _)| *k == column)
+    }
+
     /// The names of the coordinates.
     pub(super) fn axes(&self) -> impl Iterator<Item = &str> {
         self.layout.columns.iter().map(|&k| self.layout.names[k].as_str())

@@ -1,5 +1,7 @@
 //! Writers, one per format, chosen by the file name. A file appears whole or not at all.
 
+#[cfg(feature = "tables")]
+mod columnar;
 mod npy;
 mod npz;
 mod ply;
@@ -44,7 +46,7 @@ impl From<io::Error> for Refusal {
 }
 
 /// Writes `realizations` to `path` in the format of its extension: `.csv`, `.txt`, `.npy`, `.npz`, `.ply`, `.xyz`, `.rps`, `.bin`
-/// (UTK), `.f32` or `.f64`. All but `.rps` and `.f32` keep every bit. An existing file is replaced only with `force`.
+/// (UTK), `.f32` or `.f64`; with the feature `tables` also `.parquet`, `.arrow` or `.feather`. All but `.rps` and `.f32` keep every bit. An existing file is replaced only with `force`.
 ///
 /// # Errors
 /// An ending of no known format, a file that is there already, what the file system says.
@@ -67,6 +69,15 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
         "npy" => Box::new(npy::Npy::new(output)),
         "npz" => Box::new(npz::Npz::new(output)),
         "bin" => Box::new(utk::Utk::new(output)),
+        #[cfg(feature = "tables")]
+        "parquet" => Box::new(columnar::Columnar::new(output, columnar::Kind::Parquet)),
+        #[cfg(feature = "tables")]
+        "arrow" | "feather" => Box::new(columnar::Columnar::new(output, columnar::Kind::Arrow)),
+        #[cfg(not(feature = "tables"))]
+        "parquet" | "arrow" | "feather" => {
+            let reason = "this pairwave was built without Parquet and Arrow; build it with `--features tables`";
+            return Err(Error::setting(Setting::Out, path.display(), reason));
+        }
         "ply" => Box::new(ply::Ply(output)),
         "xyz" | "extxyz" => Box::new(xyz::Xyz(output)),
         "rps" => Box::new(raw::Raw::new(output, raw::Kind::Rps)),
@@ -120,6 +131,14 @@ pub fn csv(set: &RawPoints) -> Result<Vec<u8>> {
 
 fn exists(path: &Path) -> Error {
     Error::setting(Setting::Out, path.display(), "exists already; `force` replaces it")
+}
+
+/// The names of coordinates: x, y and z, of more x1, x2, ...
+fn axis_names(dim: usize) -> Vec<String> {
+    match dim {
+        1..=3 => ["x", "y", "z"][..dim].iter().map(|name| name.to_string()).collect(),
+        _ => (1..=dim).map(|k| format!("x{k}")).collect(),
+    }
 }
 
 /// As many coordinates as a sampler makes.

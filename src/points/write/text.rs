@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{Format, Refusal};
+use super::{Format, Refusal, axis_names};
 use crate::points::RawPoints;
 
 pub(super) enum Style {
@@ -33,7 +33,7 @@ impl<W: Write> Format for Text<W> {
             Style::Blanks => " ",
         };
         match (k, &self.style) {
-            (0, Style::Csv) => writeln!(self.output, "{}", ["x", "y", "z"][..set.dim].join(","))?,
+            (0, Style::Csv) => writeln!(self.output, "{}", axis_names(set.dim).join(","))?,
             (0, Style::Blanks) => {}
             _ => writeln!(self.output, "#")?,
         }

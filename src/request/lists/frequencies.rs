@@ -109,7 +109,7 @@ fn misnamed(columns: &[String], domain: &Domain) -> Option<String> {
             "f" => given,
             _ => continue,
         };
-        if stem != given && domain.sides()[axis] != 1.0 {
+        if stem != given && domain.sides().get(axis).is_some_and(|&side| side != 1.0) {
             let (unit, other) = match given {
                 "m" => ("integers m, cycles per side", "nu is in cycles per unit length: multiply by the side"),
                 _ => ("nu, cycles per unit length", "m is in cycles per side: divide by the side"),

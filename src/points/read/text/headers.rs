@@ -54,6 +54,9 @@ impl Layout {
     /// What columns of these names hold.
     pub(in crate::points::read) fn of_names(chosen: &Columns, names: &[&[u8]], line: u64) -> Result<Self, String> {
         let width = names.len();
+        if width == 0 {
+            return Err("no columns".into());
+        }
         let marks = chosen.find(width, names)?;
         let bare: Vec<&[u8]> = names.iter().map(|name| without_unit(name)).collect();
         let rows = chosen.rows;
@@ -407,7 +410,7 @@ fn is_frame(name: &[u8]) -> bool {
 /// Whether a column of this name holds degrees.
 pub(super) fn is_degrees(name: &str) -> bool {
     let bare = without_unit(name.as_bytes());
-    let unit = &name.trim()[bare.len()..];
+    let unit = &name.trim_ascii()[bare.len()..];
     // Those of a thermometer are no angles.
     let of_heat = |unit: &str| unit.ends_with(['c', 'f', 'k']);
     let in_degrees = |unit: &str, plain: &str| (plain.starts_with("deg") || unit.contains('\u{b0}')) && !of_heat(plain);
