@@ -164,7 +164,9 @@ impl Watch {
     fn glance(&mut self, measurement: &Measurement) {
         const LEAST: f64 = 1.0;
         const SHARE: f64 = 0.02;
-        if self.glanced.elapsed().as_secs_f64() < (self.took / SHARE).max(LEAST) {
+        /// Bytes of sums whose estimates take no time to speak of.
+        const SMALL: u128 = 64 << 20;
+        if measurement.memory() > SMALL || self.glanced.elapsed().as_secs_f64() < (self.took / SHARE).max(LEAST) {
             return;
         }
         let start = Instant::now();

@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::Plan;
-use super::ahead::Ahead;
 use super::plan::{check_convention, check_points};
 use super::ranges::Ranges;
 use super::sizes::Sizes;
@@ -70,8 +69,6 @@ pub struct Measurement {
     pub(super) first: Option<Ensemble>,
     /// The realizations that the last step measured.
     batch: Option<Arc<Ensemble>>,
-    /// Those of the next round, drawn while this one is measured.
-    ahead: Option<Ahead>,
     /// Power of some of them that one group lends another.
     lent: Option<(Range<u64>, WavePower)>,
     /// Sums of realizations that not every group has yet: so that, whatever stops a run, all hold the same ones.
@@ -110,7 +107,6 @@ impl Measurement {
             duplicates: 0,
             first: None,
             batch: None,
-            ahead: None,
             lent: None,
             round: Vec::new(),
             standings: None,
@@ -238,13 +234,8 @@ impl Measurement {
             None => {
                 told("points", 0.0);
                 let start = Instant::now();
-                let ahead = self.ahead.take().filter(|ahead| *ahead.range() == range);
-                let drawn = match ahead.map(|ahead| ahead.points(control)).transpose()?.flatten() {
-                    Some(drawn) => drawn,
-                    None => device.pool().install(|| self.source.batch(range.clone(), control))?,
-                };
+                let drawn = device.pool().install(|| self.source.batch(range.clone(), control))?;
                 self.clock.add("points", start.elapsed().as_secs_f64());
-                self.ahead = self.after(&range).and_then(|next| Ahead::begin(&self.source, next, device.pool()));
                 Arc::new(drawn)
             }
         };
@@ -287,26 +278,9 @@ impl Measurement {
             // One that is behind comes up to the others.
             let others = self.tracks.iter().filter(|track| track.wanted && track.part.waits_for().is_none());
             let fronts = others.filter_map(|track| track.done.gap(&within)).map(|gap| gap.start);
-            let most = fronts.filter(|&front| front > range.start).fold(u64::MAX, u64::min);
-            range.end = range.end.min(most);
-            // What is drawn already is what is measured next.
-            let gap = self.tracks[at].done.gap(&within).map_or(range.end, |gap| gap.end);
-            let ahead = self.ahead.as_ref().map(Ahead::range).filter(|ahead| ahead.start == range.start);
-            range.end = ahead.map(|ahead| ahead.end).filter(|&end| end <= gap.min(most)).unwrap_or(range.end);
+            range.end = fronts.filter(|&front| front > range.start).fold(range.end, u64::min);
         }
         Some((at, range))
-    }
-
-    /// The round after that of a range, if it is likely to be of as many realizations, and there is room for both.
-    fn after(&self, range: &Range<u64>) -> Option<Range<u64>> {
-        /// Bytes of points that may wait.
-        const ROOM: u64 = 256 << 20;
-        let reach = self.within_reach();
-        let room = (range.end - range.start).saturating_mul(self.source.shape().max_points).saturating_mul(48) <= ROOM;
-        let end = (range.end + (range.end - range.start)).min(reach.end);
-        let whole = range.end + (end.saturating_sub(range.end)) / LEAF * LEAF;
-        let next = range.end..if whole > range.end { whole } else { end };
-        (!self.live && room && !next.is_empty() && range.end.is_multiple_of(LEAF)).then_some(next)
     }
 
     /// What it is to hold for now.
@@ -317,6 +291,11 @@ impl Measurement {
     /// Measures none from realization `k` on until this is called again.
     pub(super) fn pause_at(&mut self, k: u64) {
         self.pause = k;
+    }
+
+    /// Bytes that its sums, estimates and output take, about.
+    pub(super) fn memory(&self) -> u128 {
+        self.tracks.iter().map(|track| track.part.memory()).sum()
     }
 
     /// Whether it is to hold a part of the realizations only.

@@ -155,15 +155,16 @@ impl Analyze {
         if let Some(setting) = self.batch.of_one() {
             return Err(Error::setting(setting, "(given)", "is of one measurement, and `beside` makes several"));
         }
-        report::check_out(&out, self.force || self.batch.owns())?;
+        // Only a comparison is gone on with.
+        let force = self.force || self.batch.resumes() && out.join("comparison.csv").is_file();
+        report::check_out(&out, force)?;
+        self.request.input = source::scanned(self.request.input)?;
         self.beside.iter().try_for_each(|spec| comparison::check_beside(&self.request, spec))?;
         let (asked, specs) = (config::asked(), std::mem::take(&mut self.beside));
-        let first = match &self.request.input.sampler {
-            Some(name) => std::iter::once(name.clone())
-                .chain(self.request.input.params.iter().cloned())
-                .collect::<Vec<_>>()
-                .join(","),
-            None => self.request.input.files.first().map_or("points".into(), |file| file.display().to_string()),
+        let input = &self.request.input;
+        let first = match &input.sampler {
+            Some(name) => std::iter::once(name).chain(&input.params).map(String::as_str).collect::<Vec<_>>().join(","),
+            None => input.files.first().map_or("points".into(), |file| file.display().to_string()),
         };
         let mut dirs: Vec<PathBuf> = Vec::new();
         for (k, spec) in std::iter::once(first).chain(specs).enumerate() {
@@ -173,28 +174,34 @@ impl Analyze {
             if k > 0 {
                 one.request = comparison::beside(&self.request, &spec, &dirs[0])?;
             }
+            config::keep_part(&one.words())?;
             if self.batch.is_whole(&dirs[k]) {
-                tell(&format!("note: {} is there already", dirs[k].display()));
+                let settings = std::fs::read_to_string(dirs[k].join(report::SETTINGS)).ok();
+                if settings != config::asked().settings {
+                    let reason = "holds a result of other settings; `force` without `resume` measures anew";
+                    return Err(Error::setting(Setting::Out, dirs[k].display(), reason));
+                }
+                if !self.quiet {
+                    tell(&format!("note: {} is there already", dirs[k].display()));
+                }
                 continue;
             }
-            config::keep_part(&one.words());
             one.out = Some(dirs[k].clone());
             one.run_with(control)?;
         }
         config::ask(asked);
         let found = comparison::compare(&dirs, comparison::ALPHA)?;
-        let force = self.force || self.batch.owns();
         conclude(self.quiet, &found.notes, &found.text(), Some(&out), |out, asked| found.write(out, asked, force))
     }
 
-    /// The command that makes this request.
+    /// The command that makes this result.
     fn words(&self) -> Vec<String> {
         let mut request = self.request.clone();
         let command = if request.stats.is_empty() { "integrate" } else { "analyze" };
         if request.stats.is_empty() {
             request.stats = Request::default().stats;
         }
-        std::iter::once(command.into()).chain(request.arguments()).collect()
+        std::iter::once(command.into()).chain(self.batch.words()).chain(request.arguments()).collect()
     }
 
     /// Writes and says what was found.

@@ -123,6 +123,21 @@ impl Batch {
         all.into_iter().find(|(_, given)| *given).map(|(setting, _)| setting)
     }
 
+    /// Whether an earlier run is gone on with.
+    pub(crate) fn resumes(&self) -> bool {
+        self.resume
+    }
+
+    /// What of these settings a result depends on, as it is typed.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let until = self.until_error.iter().map(|target| format!("--until-error={target}"));
+        let kept = [("--keep-sums", self.keep_sums), ("--npz", self.npz)];
+        let kept = kept.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_string());
+        // They need a directory, which is none of the settings.
+        let out = ["--out=DIR".to_string()];
+        until.chain(kept).chain(out).collect()
+    }
+
     /// Whether there is nothing left to go on with in `out`.
     pub(crate) fn is_whole(&self, out: &Path) -> bool {
         self.resume && out.join("summary.json").exists() && !out.join(report::SUMS).exists()

@@ -41,6 +41,7 @@ pub(crate) struct Compare {
 impl Compare {
     pub(crate) fn run(self) -> Result<ExitCode> {
         if let Some(out) = &self.out {
+            report::check_not_read(out, &self.results)?;
             report::check_out(out, self.force)?;
         }
         let found = comparison::compare(&self.results, self.alpha)?;

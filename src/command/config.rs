@@ -55,6 +55,8 @@ pub(crate) struct Config {
     path: PathBuf,
     text: String,
     settings: Vec<(toml::Spanned<String>, Value)>,
+    /// Those that became arguments.
+    used: Vec<String>,
 }
 
 type Entries = std::collections::BTreeMap<toml::Spanned<String>, Value>;
@@ -69,7 +71,7 @@ impl Config {
         })?;
         let mut settings: Vec<_> = entries.into_iter().collect();
         settings.sort_by_key(|(key, _)| key.span().start);
-        Ok(Self { path: path.into(), text, settings })
+        Ok(Self { path: path.into(), text, settings, used: Vec::new() })
     }
 
     fn fault(&self, key: &toml::Spanned<String>, reason: String) -> Error {
@@ -90,17 +92,18 @@ impl Config {
     /// Where a flag of it is set: `run.toml:3`.
     pub(crate) fn place(&self, flag: &str) -> Option<String> {
         let name = flag.trim_start_matches('-').split(['=', ' ']).next()?;
-        let (key, _) = self.settings.iter().find(|(key, _)| dashed(key.get_ref()) == name)?;
+        let used = |key: &str| dashed(key) == name && self.used.iter().any(|used| used == key);
+        let (key, _) = self.settings.iter().find(|(key, _)| used(key.get_ref()))?;
         Some(format!("{}:{}", self.path.display(), line(&self.text, key.span().start)))
     }
 
     /// Its settings as arguments of a command, but those that are typed or cannot be given with what is.
-    fn arguments(&self, command: &Command, typed: Option<&ArgMatches>) -> Result<Vec<OsString>> {
+    fn arguments(&mut self, command: &Command, typed: Option<&ArgMatches>) -> Result<Vec<OsString>> {
         let is_typed = |arg: &Arg| {
             typed.is_some_and(|typed| typed.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine))
         };
         let typed_files = command.get_arguments().any(|arg| arg.get_id() == "files" && is_typed(arg));
-        let mut arguments = Vec::new();
+        let (mut arguments, mut used) = (Vec::new(), Vec::new());
         for (key, value) in self.settings.iter().filter(|(key, _)| key.get_ref() != COMMAND) {
             let name = dashed(key.get_ref());
             let found = command.get_arguments().find(|arg| named(arg) == name).filter(|arg| arg.get_id() != "config");
@@ -118,7 +121,9 @@ impl Config {
             }
             let words = words(arg, value).map_err(|reason| self.fault(key, reason))?;
             arguments.extend(words.into_iter().map(OsString::from));
+            used.push(key.get_ref().clone());
         }
+        self.used = used;
         Ok(arguments)
     }
 }
@@ -130,10 +135,11 @@ impl Config {
 pub(crate) fn expand(mut typed: Vec<OsString>, command: &mut Command) -> Result<(Vec<OsString>, Option<Config>)> {
     command.build();
     let Some(path) = taken(&mut typed)? else { return Ok((typed, None)) };
-    let config = Config::read(&path)?;
+    let mut config = Config::read(&path)?;
     let names: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_string()).collect();
-    let at = typed.iter().skip(1).position(|word| names.iter().any(|name| word == name.as_str())).map(|at| at + 1);
-    let asked = at.map(|at| typed[at].to_string_lossy().into_owned());
+    // A command comes first: behind it the same word is a value.
+    let first = typed.get(1).map(|word| word.to_string_lossy().into_owned());
+    let asked = first.filter(|first| names.contains(first));
     let name = match (asked, config.command()?) {
         (Some(asked), Some(of)) if asked != of => {
             let reason = format!("holds settings of {of}; expected those of {asked}");
@@ -156,8 +162,7 @@ pub(crate) fn expand(mut typed: Vec<OsString>, command: &mut Command) -> Result<
     // What is typed is looked at as it stands; what is wrong with it is said when all is parsed.
     let matches = command.clone().ignore_errors(true).try_get_matches_from(&typed).ok();
     let of_file = config.arguments(sub, matches.as_ref().and_then(|matches| matches.subcommand_matches(&name)))?;
-    let after = typed.iter().position(|word| *word == *name).map_or(typed.len(), |at| at + 1);
-    typed.splice(after..after, of_file);
+    typed.splice(2..2, of_file);
     Ok((typed, Some(config)))
 }
 
@@ -195,12 +200,19 @@ pub(crate) fn keep(command: &Command, matches: &ArgMatches) {
 }
 
 /// Keeps another command, which is a part of what was typed, as if that had been.
-pub(crate) fn keep_part(words: &[String]) {
+///
+/// # Errors
+/// What of it cannot be typed.
+pub(crate) fn keep_part(words: &[String]) -> Result<()> {
     let mut command = super::interface();
     let all = std::iter::once("pairwave").chain(words.iter().map(String::as_str));
-    if let Ok(matches) = command.try_get_matches_from_mut(all) {
-        keep_words(words.iter().cloned(), &command, &matches);
-    }
+    let matches = command.try_get_matches_from_mut(all).map_err(|error| Error::Arguments {
+        arguments: shell_words(words),
+        reason: error.to_string().lines().next().unwrap_or_default().into(),
+    })?;
+    let shown = words.iter().filter(|word| *word != "--out=DIR").cloned();
+    keep_words(shown, &command, &matches);
+    Ok(())
 }
 
 fn keep_words(words: impl Iterator<Item = String>, command: &Command, matches: &ArgMatches) {
@@ -243,7 +255,9 @@ fn value(arg: &Arg, matches: &ArgMatches) -> Option<Value> {
 fn typed(word: &str) -> Value {
     match (word.parse::<i64>(), word.parse::<f64>()) {
         (Ok(number), _) if number.to_string() == word => Value::Integer(number),
-        (_, Ok(number)) if number.is_finite() && Value::Float(number).to_string() == word => Value::Float(number),
+        (_, Ok(number)) if number.is_finite() && number.fract() != 0.0 && number.to_string() == word => {
+            Value::Float(number)
+        }
         _ => Value::String(word.into()),
     }
 }
@@ -269,7 +283,11 @@ fn words(arg: &Arg, value: &Value) -> Result<Vec<String>, String> {
             .collect::<Result<Vec<_>, String>>()?,
         one => vec![word(one)?],
     };
-    let separate = matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none();
+    let separate = matches!(arg.get_action(), ArgAction::Append);
+    let delimiter = arg.get_value_delimiter().filter(|_| separate);
+    if let Some(text) = texts.iter().find(|text| texts.len() > 1 && delimiter.is_some_and(|c| text.contains(c))) {
+        return Err(format!("holds {text:?}; expected values without commas"));
+    }
     Ok(if arg.is_positional() {
         // What begins with a dash would be taken for a flag.
         texts
@@ -279,8 +297,12 @@ fn words(arg: &Arg, value: &Value) -> Result<Vec<String>, String> {
     } else if separate {
         texts.into_iter().map(|text| format!("--{name}={text}")).collect()
     } else {
-        let delimiter = arg.get_value_delimiter().unwrap_or(',').to_string();
-        vec![format!("--{name}={}", texts.join(&delimiter))]
+        // Several words of one value are a line of CSV.
+        let quoted = |text: String| match text.contains([',', '"']) && matches!(value, Value::Array(_)) {
+            true => format!("\"{}\"", text.replace('"', "\"\"")),
+            false => text,
+        };
+        vec![format!("--{name}={}", texts.into_iter().map(quoted).collect::<Vec<_>>().join(","))]
     })
 }
 

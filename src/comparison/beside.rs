@@ -48,13 +48,23 @@ pub fn beside(request: &Request, spec: &str, result: &Path) -> Result<Request> {
     let number = |pointer: &str| stored.value(pointer).and_then(Value::as_f64);
     let mut other = request.clone();
     let sampler = sampler(request, spec)?;
+    let as_many = request.input.realizations.filter(|_| request.input.sampler.is_some());
     for row in &SETTINGS {
-        let inputs = [Setting::Files, Setting::Sampler, Setting::Wrap].contains(&row.setting);
-        let idle = match sampler {
-            None => row.for_samplers && row.setting != Setting::Seed,
-            Some(_) => row.conflicts.contains(&Setting::Sampler),
+        let left_out = match (row.setting, &sampler) {
+            (Setting::Files | Setting::Sampler, _) => true,
+            // It draws simulations too.
+            (Setting::Seed, None) => request.envelope.is_none(),
+            (_, None) => row.for_samplers,
+            (Setting::Wrap, Some(_)) => true,
+            (_, Some(_)) => row.group == Group::Points && row.conflicts.contains(&Setting::Sampler),
         };
-        if inputs && (row.setting != Setting::Wrap || sampler.is_some()) || idle && row.group == Group::Points {
+        if left_out {
+            other.set(row.setting, "")?;
+        }
+    }
+    // What says more about something goes with it.
+    for row in SETTINGS.iter().filter(|row| row.is_given(request)) {
+        if row.needs.and_then(Setting::row).is_some_and(|needed| needed.is_given(request) && !needed.is_given(&other)) {
             other.set(row.setting, "")?;
         }
     }
@@ -64,8 +74,12 @@ pub fn beside(request: &Request, spec: &str, result: &Path) -> Result<Request> {
             other.input.sampler = Some(name.into());
             other.input.params = params.into_iter().map(String::from).collect();
             other.input.points = number("/n/mean").map(|n| n.round() as u64);
-            other.input.realizations = number("/k").map(|k| k as u64);
+            // The first may have ended early.
+            other.input.realizations = as_many.or_else(|| number("/k").map(|k| k as u64));
             other.input.dim = number("/d").map(|d| d as usize);
+            let sides = stored.value("/domain/sides").and_then(Value::as_array);
+            let sides: Option<Vec<f64>> = sides.map(|sides| sides.iter().filter_map(Value::as_f64).collect());
+            other.input.sides = other.input.sides.or(sides.filter(|sides| sides.iter().any(|side| *side != 1.0)));
         }
     }
     if other.edges.is_none() {

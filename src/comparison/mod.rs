@@ -179,6 +179,8 @@ impl Comparison {
             let Some(other) = others.iter().find(|other| other.name == column.name) else { continue };
             let start = self.values.len();
             let figure = format!("{stem}.{}", column.name);
+            let scale = [(both[0], &column), (both[1], other)].map(|(table, column)| column.scale(table.len()));
+            let scale = scale[0].max(scale[1]);
             for &(i, j) in &common {
                 let found = [(both[0], &column, i), (both[1], other, j)].map(
                     |(table, column, row): (&Columns, &Column<'_>, usize)| {
@@ -187,7 +189,7 @@ impl Comparison {
                 );
                 let [x, y] = found;
                 let (Some((x, Some(x_se))), Some((y, Some(y_se)))) = (x?, y?) else { continue };
-                let (z, p) = difference([(x, x_se), (y, y_se)], freedom);
+                let (z, p) = difference([(x, x_se), (y, y_se)], freedom, scale);
                 self.values.push(Difference {
                     with,
                     figure: figure.clone(),
@@ -296,20 +298,25 @@ fn shorter(cell: &str) -> String {
     }
 }
 
-/// The difference of two values in standard errors, and its p.
-fn difference([(a, a_se), (b, b_se)]: [(f64, f64); 2], freedom: [f64; 2]) -> (f64, f64) {
-    if a == b {
+/// The difference of two values in standard errors, and its p. What is no more than rounding is none.
+fn difference([(a, a_se), (b, b_se)]: [(f64, f64); 2], freedom: [f64; 2], scale: f64) -> (f64, f64) {
+    /// Of the values of a column: how well two ways of computing them agree, P by `accuracy` fast of uniform points.
+    const ROUNDING: f64 = 1e-5;
+    // Errors that are rounding of values which are all alike.
+    let [a_se, b_se] = [(a, a_se), (b, b_se)].map(|(x, se)| if se <= 1e-12 * x.abs().max(scale) { 0.0 } else { se });
+    if a == b || a_se == 0.0 && b_se == 0.0 && (b - a).abs() <= ROUNDING * scale {
         return (0.0, 1.0);
     }
     // Values that are all alike say little of how they vary: where nothing was counted, something might have been.
-    let (a_se, b_se) = match (a_se > 0.0, b_se > 0.0) {
-        (false, true) => (b_se, b_se),
-        (true, false) => (a_se, a_se),
-        _ => (a_se, b_se),
+    let ([a_se, b_se], of_one) = match (a_se > 0.0, b_se > 0.0) {
+        (false, true) => ([b_se; 2], Some(freedom[1])),
+        (true, false) => ([a_se; 2], Some(freedom[0])),
+        _ => ([a_se, b_se], None),
     };
     let (a2, b2) = (a_se * a_se, b_se * b_se);
     let z = (b - a) / (a2 + b2).sqrt();
-    let degrees = (a2 + b2) * (a2 + b2) / (a2 * a2 / freedom[0] + b2 * b2 / freedom[1]);
+    let welch = || (a2 + b2) * (a2 + b2) / (a2 * a2 / freedom[0] + b2 * b2 / freedom[1]);
+    let degrees = of_one.unwrap_or_else(welch);
     let tail = |z: f64| match StudentsT::new(0.0, 1.0, degrees).ok().filter(|_| degrees.is_finite()) {
         Some(t) => t.cdf(-z.abs()),
         None => Normal::standard().cdf(-z.abs()),
@@ -336,17 +343,22 @@ mod tests {
     #[test]
     fn p_is_that_of_welch_and_holm() {
         // Welch's test of means 20.6 and 22.1 with variances of the means 0.5 and 0.4 and 14 and 9 degrees: t = 1.5811, 23.0 degrees.
-        let (z, p) = difference([(20.6, 0.5f64.sqrt()), (22.1, 0.4f64.sqrt())], [14.0, 9.0]);
+        let (z, p) = difference([(20.6, 0.5f64.sqrt()), (22.1, 0.4f64.sqrt())], [14.0, 9.0], 0.0);
         assert!((z - 1.581_139).abs() < 1e-5, "{z}");
         let degrees = 0.81 / (0.25 / 14.0 + 0.16 / 9.0);
         let exact = 2.0 * StudentsT::new(0.0, 1.0, degrees).unwrap().cdf(-1.581_138_830_084_19);
         assert!((p - exact).abs() < 1e-9, "{p} {exact}");
         // Errors of theory: normal.
-        let (_, p) = difference([(0.0, 0.6), (1.959_963_985, 0.8)], [f64::INFINITY; 2]);
+        let (_, p) = difference([(0.0, 0.6), (1.959_963_985, 0.8)], [f64::INFINITY; 2], 0.0);
         assert!((p - 0.05).abs() < 1e-8, "{p}");
-        assert_eq!(difference([(1.0, 0.0), (1.0, 0.0)], [9.0; 2]), (0.0, 1.0));
-        assert_eq!(difference([(1.0, 0.0), (2.0, 0.0)], [9.0; 2]), (f64::INFINITY, 0.0));
-        assert_eq!(difference([(0.0, 0.0), (2.0, 1.0)], [9.0; 2]).0, 2.0f64.sqrt());
+        // One error stands for both, with the degrees of freedom that it has; rounding is no difference.
+        let (z, p) = difference([(1.0, 0.0), (2.0, 0.3)], [99.0, 3.0], 0.0);
+        let exact = 2.0 * StudentsT::new(0.0, 1.0, 3.0).unwrap().cdf(-z);
+        assert!((z - 2.357_022_603).abs() < 1e-8 && (p - exact).abs() < 1e-12, "{z} {p}");
+        assert_eq!(difference([(0.485, 0.0), (0.485 + 1e-9, 1e-18)], [3.0; 2], 1.0), (0.0, 1.0));
+        assert_eq!(difference([(1.0, 0.0), (1.0, 0.0)], [9.0; 2], 0.0), (0.0, 1.0));
+        assert_eq!(difference([(1.0, 0.0), (2.0, 0.0)], [9.0; 2], 0.0), (f64::INFINITY, 0.0));
+        assert_eq!(difference([(0.0, 0.0), (2.0, 1.0)], [9.0; 2], 0.0).0, 2.0f64.sqrt());
         assert_eq!(holm(&[0.01, 0.04, 0.03, 0.005]), [0.03, 0.06, 0.06, 0.02]);
         assert_eq!(holm(&[0.5, 0.6]), [1.0, 1.0]);
     }

@@ -71,7 +71,7 @@ impl Columns {
     }
 
     /// The number of its rows.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
 

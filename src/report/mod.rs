@@ -171,6 +171,21 @@ pub fn check_file(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
+/// Whether a file or directory that is to be written is none of those that are read.
+///
+/// # Errors
+/// The one that would be replaced.
+pub fn check_not_read(out: &Path, read: &[PathBuf]) -> Result<()> {
+    let Ok(out) = out.canonicalize() else { return Ok(()) };
+    let all = read.iter().cloned().chain(crate::points::read::paths(read));
+    match all.filter_map(|path| path.canonicalize().ok()).find(|path| *path == out) {
+        Some(path) => {
+            Err(Error::setting(Setting::Out, path.display(), "is read, and would be replaced; expected another"))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Writes a file whole, and its directory if there is none.
 ///
 /// # Errors

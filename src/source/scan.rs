@@ -20,7 +20,7 @@ use crate::estimate::Inhomogeneity;
 use crate::points::polygon::Ring;
 use crate::points::read::{Input, PointFile, ReadOptions};
 use crate::points::{Boundary, Domain, EnsembleShape};
-use crate::request::{Group, PointsRequest, Request, Row, SETTINGS};
+use crate::request::{Group, PointsRequest, Request, Row, SETTINGS, refuse_settings_of_samplers};
 use crate::setting::Setting;
 
 /// How a file of this kind begins.
@@ -62,12 +62,22 @@ struct Scanned {
     stamp: Stamp,
 }
 
-/// The settings that say how files are read.
-fn reading() -> impl Iterator<Item = &'static Row> {
+/// Whether a setting says how files are read.
+fn reads(row: &Row) -> bool {
     let others = [Setting::Files, Setting::EnvelopeFrom, Setting::Unit, Setting::Sampler];
-    SETTINGS.iter().filter(move |row| {
-        [Group::Points, Group::Domain].contains(&row.group) && !row.for_samplers && !others.contains(&row.setting)
-    })
+    [Group::Points, Group::Domain].contains(&row.group) && !row.for_samplers && !others.contains(&row.setting)
+}
+
+/// The settings that do.
+fn reading() -> impl Iterator<Item = &'static Row> {
+    SETTINGS.iter().filter(|row| reads(row))
+}
+
+/// What the files of a request are now.
+fn stamps(request: &PointsRequest) -> BTreeMap<PathBuf, Stamp> {
+    let of =
+        |path: &PathBuf| std::path::absolute(path).ok().and_then(|path| Some((path.clone(), Stamp::of(&path).ok()?)));
+    crate::points::read::paths(&request.files).iter().filter_map(of).collect()
 }
 
 /// A request of nothing but these points.
@@ -81,18 +91,32 @@ impl Scan {
     /// # Errors
     /// As `Points::open`; points that are in no files.
     pub fn of(request: &PointsRequest, control: &Control) -> Result<Self> {
-        let refuse = |what: &str| Err(Error::setting(Setting::Files, what, "expected files that can be read again"));
         if request.sampler.is_some() {
             return Err(Error::setting(Setting::Sampler, "(given)", "is no files; samplers need no scan"));
         }
+        refuse_settings_of_samplers(request)?;
+        let all = of_points(request);
+        let idle = SETTINGS.iter().find(|row| row.is_given(&all) && !reads(row) && row.setting != Setting::Files);
+        if let Some(row) = idle {
+            let reason = "says nothing about how files are read; it goes with the scan to `pairwave analyze`";
+            return Err(Error::setting(row.setting, all.value(row.setting), reason));
+        }
+        let before = stamps(request);
         let plain = PointsRequest { inhomogeneous: None, envelope_from: Vec::new(), ..request.clone() };
         let points = Points::files_with(&plain, 0, control)?;
-        let Kind::Files(files) = &points.kind else { return refuse("standard input") };
+        let Kind::Files(files) = &points.kind else {
+            let reason = "hold no points that can be read again: standard input, or files without any";
+            return Err(Error::input(points.subject.clone(), reason));
+        };
         let asked = of_points(request);
         let given = reading().filter(|row| row.is_given(&asked));
         let scanned = files.files.iter().map(|(first, file)| {
             let path = std::path::absolute(file.path()).map_err(|e| Error::file(file.path(), e))?;
-            Ok(Scanned { first: *first, stamp: Stamp::of(&path)?, path })
+            let stamp = Stamp::of(&path)?;
+            if before.get(&path).is_some_and(|before| *before != stamp) {
+                return Err(Error::input(path.display().to_string(), "changed while files were scanned; scan again"));
+            }
+            Ok(Scanned { first: *first, stamp, path })
         });
         let domain = &points.domain;
         Ok(Self {

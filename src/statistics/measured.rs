@@ -102,6 +102,12 @@ pub(crate) fn number(cell: &str) -> Result<Option<f64>, String> {
 }
 
 impl<'a> Column<'a> {
+    /// The largest magnitude of its values.
+    pub(crate) fn scale(&self, rows: usize) -> f64 {
+        let values = (0..rows).filter_map(|row| self.at(row).ok().flatten());
+        values.fold(0.0, |largest, (value, _)| value.abs().max(largest))
+    }
+
     /// The value in a row with its error; none where there is none.
     pub(crate) fn at(&self, row: usize) -> Result<Option<WithError>, String> {
         let cell = |cells: &[&str]| number(cells.get(row).copied().unwrap_or_default());

@@ -22,6 +22,8 @@ const FIRST: u64 = 64;
 /// `spectrum@3,-4:0.1`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
+    /// As it was typed.
+    typed: String,
     figure: String,
     what: What,
     error: f64,
@@ -125,16 +127,13 @@ impl FromStr for Target {
             What::Cell(measured.stem, column, place.to_string())
         };
         let error = if relative { error / 100.0 } else { error };
-        Ok(Self { figure: figure.into(), what, error, relative })
+        Ok(Self { typed: text.into(), figure: figure.into(), what, error, relative })
     }
 }
 
 impl fmt::Display for Target {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.relative {
-            true => write!(f, "{}:{}%", self.figure, 100.0 * self.error),
-            false => write!(f, "{}:{}", self.figure, self.error),
-        }
+        f.write_str(&self.typed)
     }
 }
 

@@ -10,6 +10,7 @@ use crate::plan::Convention;
 use crate::points::UnitName;
 use crate::report::SUMMARY;
 use crate::report::columns::{Columns, Curve};
+use crate::setting::Setting;
 use crate::statistics::axes::{DRAWN, Drawn};
 
 /// A directory that holds a result.
@@ -65,9 +66,21 @@ impl Stored {
 
     /// Whether its points are those of another: of one sampler and seed, or of the same files.
     pub(crate) fn shares_points_with(&self, other: &Self) -> bool {
-        const SAME: [&str; 7] = ["files", "sampler", "points", "dim", "seed", "params", "sides"];
-        let drawn = ["files", "sampler"].iter().any(|key| self.summary["parameters"].get(key).is_some());
-        drawn && SAME.iter().all(|key| self.summary["parameters"].get(key) == other.summary["parameters"].get(key))
+        const SAME: [Setting; 7] = [
+            Setting::Files,
+            Setting::Sampler,
+            Setting::Points,
+            Setting::Dim,
+            Setting::Seed,
+            Setting::Params,
+            Setting::Sides,
+        ];
+        let value = |of: &Self, setting: Setting| match of.summary["parameters"].get(setting.name()) {
+            Some(value) => value.to_string(),
+            None => setting.row().and_then(|row| row.default).unwrap_or("").to_string(),
+        };
+        let drawn = [Setting::Files, Setting::Sampler].into_iter().any(|setting| !value(self, setting).is_empty());
+        drawn && SAME.into_iter().all(|setting| value(self, setting) == value(other, setting))
     }
 
     /// A value of the summary, by its pointer.
