@@ -12,7 +12,8 @@ use clap::error::ContextKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use pairwave::report::Asked;
-use pairwave::request::{SETTINGS, shell_words};
+use pairwave::request::{Row, SETTINGS, shell_words};
+use pairwave::source::Scan;
 use pairwave::{Error, Result};
 use toml::Value;
 
@@ -132,8 +133,36 @@ impl Config {
 ///
 /// # Errors
 /// A file that cannot be read, is of another command, or sets what the command does not have.
-pub(crate) fn expand(mut typed: Vec<OsString>, command: &mut Command) -> Result<(Vec<OsString>, Option<Config>)> {
+pub(crate) fn expand(typed: Vec<OsString>, command: &mut Command) -> Result<(Vec<OsString>, Option<Config>)> {
     command.build();
+    let (mut words, config) = with_config(typed, command)?;
+    with_scan(&mut words, command)?;
+    Ok((words, config))
+}
+
+/// Adds the settings by which the files of a scan were read, where that is what is typed for files.
+fn with_scan(words: &mut Vec<OsString>, command: &Command) -> Result<()> {
+    let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(&*words) else { return Ok(()) };
+    let Some((_, typed)) = matches.subcommand().filter(|(name, _)| ["analyze", "integrate"].contains(name)) else {
+        return Ok(());
+    };
+    let files: Vec<&PathBuf> = typed.get_many("files").into_iter().flatten().collect();
+    let [path] = files.as_slice() else { return Ok(()) };
+    let Some(scan) = Scan::read(path)? else { return Ok(()) };
+    let given = |row: &Row| typed.value_source(row.setting.name()) == Some(ValueSource::CommandLine);
+    let of_scan =
+        scan.settings().filter_map(|(setting, value)| Some((setting.row()?, value))).filter(|(row, _)| !given(row));
+    let arguments = of_scan.map(|(row, value)| match row.is_switch() {
+        true => row.flag.into(),
+        false => format!("{}={value}", row.flag).into(),
+    });
+    let arguments: Vec<OsString> = arguments.collect();
+    words.splice(2..2, arguments);
+    Ok(())
+}
+
+/// Adds the settings of a file.
+fn with_config(mut typed: Vec<OsString>, command: &Command) -> Result<(Vec<OsString>, Option<Config>)> {
     let Some(path) = taken(&mut typed)? else { return Ok((typed, None)) };
     let mut config = Config::read(&path)?;
     let names: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_string()).collect();

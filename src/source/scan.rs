@@ -147,6 +147,11 @@ impl Scan {
         format!("{} of {}", plural(realizations, "realization"), plural(files, "file"))
     }
 
+    /// The settings that they were read by, as they are typed.
+    pub fn settings(&self) -> impl Iterator<Item = (Setting, &str)> {
+        reading().filter_map(|row| Some((row.setting, self.settings.get(row.setting.name())?.as_str())))
+    }
+
     /// What the user should know of the files.
     pub fn warnings(&self) -> &[String] {
         &self.warnings

@@ -102,10 +102,20 @@ fn points_beside_others_are_measured_by_the_same_settings() {
     }
     // What is whole is not measured again, what is missing is.
     std::fs::remove_dir_all(scratch.path("all/poisson-disk")).unwrap();
-    let output = scratch.run(&format!("{run} --resume"));
+    let output = scratch.run(&format!("{} --resume", run.replace(" --quiet", "")));
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.contains("all/mine is there already"), "{said}");
     assert!(scratch.path("all/poisson-disk/summary.json").is_file());
+    // Not what other settings made, and not what is no comparison.
+    scratch.fails(&format!("{run} --bins 8 --resume"), 2, "all/mine: holds a result of other settings");
+    scratch.ok("analyze mine.npy --device cpu --stats pcf --quiet --out kept");
+    scratch.fails(
+        "analyze mine.npy --beside random --device cpu --stats pcf --quiet --checkpoint 60 --out kept",
+        2,
+        "kept",
+    );
+    assert!(scratch.path("kept/pcf.csv").is_file());
+    scratch.fails("compare all/mine all/poisson-disk --out all/mine --force", 2, "is read, and would be replaced");
     scratch.fails(
         "analyze mine.npy --beside nosuch --device cpu --quiet --out b",
         2,

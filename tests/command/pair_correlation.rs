@@ -103,7 +103,7 @@ fn k_alone_writes_no_g_and_classes_write_their_own() {
     let files = std::fs::read_dir(scratch.path("k")).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap());
     let mut files: Vec<_> = files.collect();
     files.sort();
-    assert_eq!(files, ["k_function.csv", "k_function.svg", "points.svg", "report.html", "summary.json"]);
+    assert_eq!(files, ["k_function.csv", "k_function.svg", "points.svg", "report.html", "run.toml", "summary.json"]);
     let common = "--window 0,1,0,1 --stats pcf,k-function --r-max 0.25 --bins 10 --device cpu";
     let said = scratch.ok(&format!("analyze trees.csv {common} --class-column kind --out both"));
     assert!(said.contains("g of 1 and 2: "), "{said}");

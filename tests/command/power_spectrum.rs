@@ -69,7 +69,7 @@ fn lists_of_wave_vectors() {
         .iter()
         .map(|f| f.as_str().unwrap().into())
         .collect();
-    assert_eq!(files, ["spectrum_list.csv", "points.svg", "report.html", "summary.json"]);
+    assert_eq!(files, ["spectrum_list.csv", "points.svg", "run.toml", "report.html", "summary.json"]);
 
     // A window: cycles per unit length.
     scratch.file("points.csv", "0,10\n1,12\n3.5,13\n");
