@@ -1,5 +1,6 @@
 //! How long work is stopped, told of and timed.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 // That of the standard library panics in a browser.
@@ -15,7 +16,9 @@ pub fn wait<T>(work: impl Future<Output = T>) -> T {
 /// How a caller watches and stops long work. Shared between threads.
 #[derive(Debug, Default)]
 pub struct Control {
-    cancelled: AtomicBool,
+    cancelled: Arc<AtomicBool>,
+    /// Of the work that this one is done for.
+    above: Option<Arc<AtomicBool>>,
     /// The part of the piece of work at hand that is done, in steps of 2^-40.
     share: AtomicU64,
     /// How many equal pieces it comes in, less 1: each of them is told of as a whole.
@@ -36,7 +39,13 @@ impl Control {
     /// # Errors
     /// `Error::Cancelled` once that was asked for.
     pub fn check(&self) -> Result<()> {
-        if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
+        let is = |cancelled: &Arc<AtomicBool>| cancelled.load(Ordering::Relaxed);
+        if is(&self.cancelled) || self.above.as_ref().is_some_and(is) { Err(Error::Cancelled) } else { Ok(()) }
+    }
+
+    /// Of work done beside this one: stops with it, can be stopped alone, and is told of apart.
+    pub(crate) fn beside(&self) -> Self {
+        Self { above: Some(self.cancelled.clone()), ..Self::default() }
     }
 
     /// Begins a piece of work.

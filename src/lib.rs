@@ -68,6 +68,7 @@
 pub mod accumulate;
 pub mod analysis;
 mod ball;
+pub mod benchmark;
 pub mod comparison;
 pub mod compute;
 pub mod control;

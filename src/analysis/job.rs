@@ -63,6 +63,18 @@ impl Job {
         control: &Control,
         progress: &mut dyn FnMut(Progress),
     ) -> Ended {
+        let ended = self.carry_out(measurement, device, control, progress);
+        measurement.give_up_round();
+        ended
+    }
+
+    fn carry_out(
+        &self,
+        measurement: &mut Measurement,
+        device: &Device,
+        control: &Control,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Ended {
         let start = Instant::now();
         let mut saved = start;
         let mut watch = Watch::new(measurement.realizations(), self.until.is_empty());
@@ -77,10 +89,7 @@ impl Job {
                     Ok(false) => continue,
                     Err(error) => return Ended::Failed(error),
                 },
-                Err(error) => {
-                    measurement.give_up_round();
-                    return Ended::Failed(error);
-                }
+                Err(error) => return Ended::Failed(error),
             }
             if !measurement.is_even() || measurement.is_done() {
                 continue;

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::Plan;
+use super::ahead::Ahead;
 use super::plan::{check_convention, check_points};
 use super::ranges::Ranges;
 use super::sizes::Sizes;
@@ -69,6 +70,8 @@ pub struct Measurement {
     pub(super) first: Option<Ensemble>,
     /// The realizations that the last step measured.
     batch: Option<Arc<Ensemble>>,
+    /// Those of the next round, drawn while this one is measured.
+    ahead: Option<Ahead>,
     /// Power of some of them that one group lends another.
     lent: Option<(Range<u64>, WavePower)>,
     /// Sums of realizations that not every group has yet: so that, whatever stops a run, all hold the same ones.
@@ -107,6 +110,7 @@ impl Measurement {
             duplicates: 0,
             first: None,
             batch: None,
+            ahead: None,
             lent: None,
             round: Vec::new(),
             standings: None,
@@ -176,7 +180,7 @@ impl Measurement {
             // Fewer realizations: sums cannot be taken apart again.
             (self.tracks, self.sizes, self.duplicates) = (Vec::new(), Sizes::default(), 0);
         }
-        (self.batch, self.lent, self.round) = (None, None, Vec::new());
+        (self.batch, self.ahead, self.lent, self.round) = (None, None, None, Vec::new());
         self.keep_tracks();
         Ok(())
     }
@@ -234,8 +238,14 @@ impl Measurement {
             None => {
                 told("points", 0.0);
                 let start = Instant::now();
-                let drawn = device.pool().install(|| self.source.batch(range.clone(), control))?;
+                let ahead = self.ahead.take().filter(|ahead| ahead.range == range);
+                let drawn = match ahead.map(|ahead| ahead.points(control)).transpose()?.flatten() {
+                    Some(drawn) => drawn,
+                    None => device.pool().install(|| self.source.batch(range.clone(), control))?,
+                };
                 self.clock.add("points", start.elapsed().as_secs_f64());
+                let next = self.after(&range);
+                self.ahead = next.and_then(|next| Ahead::begin(&self.source, next, device.pool(), control));
                 Arc::new(drawn)
             }
         };
@@ -278,9 +288,26 @@ impl Measurement {
             // One that is behind comes up to the others.
             let others = self.tracks.iter().filter(|track| track.wanted && track.part.waits_for().is_none());
             let fronts = others.filter_map(|track| track.done.gap(&within)).map(|gap| gap.start);
-            range.end = fronts.filter(|&front| front > range.start).fold(range.end, u64::min);
+            let front = fronts.filter(|&front| front > range.start).fold(u64::MAX, u64::min);
+            // What is drawn already is what is measured next.
+            let gap = self.tracks[at].done.gap(&within).map_or(range.end, |gap| gap.end);
+            let ahead = self.ahead.as_ref().map(|ahead| &ahead.range).filter(|ahead| ahead.start == range.start);
+            range.end = ahead.map(|ahead| ahead.end).filter(|&end| end <= gap).unwrap_or(range.end).min(front);
         }
         Some((at, range))
+    }
+
+    /// The round after that of a range, where there is room for the points of both.
+    fn after(&self, range: &Range<u64>) -> Option<Range<u64>> {
+        /// Bytes of points that may wait.
+        const ROOM: u64 = 256 << 20;
+        let (start, end) = (range.end, self.within_reach().end);
+        let size = match end.saturating_sub(start) {
+            left if left < LEAF => left,
+            left => self.chunk().min(left) / LEAF * LEAF,
+        };
+        let room = size.saturating_mul(self.source.shape().max_points).saturating_mul(48) <= ROOM;
+        (!self.live && room && size > 0 && start.is_multiple_of(LEAF)).then(|| start..start + size)
     }
 
     /// What it is to hold for now.
@@ -335,9 +362,9 @@ impl Measurement {
         Ok(())
     }
 
-    /// Leaves a round that something ended: what not every group has is measured again.
+    /// Leaves a round that something ended: what not every group has is measured again, and no more is drawn.
     pub(super) fn give_up_round(&mut self) {
-        self.round.clear();
+        (self.ahead, self.round) = (None, Vec::new());
     }
 
     /// Realizations of a round: at first a leaf, then as many as are soon done, so that little is lost where it is stopped.

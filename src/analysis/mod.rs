@@ -1,6 +1,7 @@
 //! A request, carried out: points -> plan -> compute -> accumulate -> estimate, in batches. The command line and the
 //! viewer both call this and hold no arithmetic of their own.
 
+mod ahead;
 mod envelope;
 mod estimates;
 mod job;

@@ -2,6 +2,7 @@
 
 mod analyze;
 mod batch;
+mod bench;
 mod compare;
 mod completions;
 pub(crate) mod config;
@@ -73,6 +74,8 @@ pub(crate) enum Command {
     Completions(completions::Completions),
     /// Write the pages of the manual
     Man(man::Man),
+    /// Time every way to the same numbers on this machine, and hold it against its error
+    Bench(bench::Bench),
     /// Hold what a device measures against what is known in closed form
     Selftest(selftest::Selftest),
 }
@@ -93,6 +96,7 @@ impl Command {
             Self::Sample(sample) => sample.run(),
             Self::Samplers(samplers) => samplers.run(),
             Self::Integrands(integrands) => integrands.run(),
+            Self::Bench(bench) => bench.run(),
             Self::Devices => devices::run(),
             Self::Selftest(selftest) => selftest.run(),
         }

@@ -102,12 +102,12 @@ fn ratio_standard_error(k: u64, residuals: f64, sum_norm: f64) -> f64 {
 }
 
 /// The mean; `None` of no values.
-fn mean(values: &[f64]) -> Option<f64> {
+pub(crate) fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// Of the mean, from the spread of the values; `None` for fewer than two.
-fn standard_error(values: &[f64]) -> Option<f64> {
+pub(crate) fn standard_error(values: &[f64]) -> Option<f64> {
     let mean = mean(values).filter(|_| values.len() >= 2)?;
     let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
     let k = values.len() as f64;

@@ -64,7 +64,7 @@ pub use smoothing::{Divisor, Smoothing, SmoothingKernel, sphere_surface};
 pub use taper::{Debias, Taper, TaperPlan};
 pub use tile::Tile;
 pub use wave_grid::{MAX_FREQUENCY, WaveGrid};
-pub use wave_method::{MethodEstimate, ProductCosts, WaveCosts, WaveMethod};
+pub use wave_method::{MethodEstimate, PANEL, ProductCosts, WaveCosts, WaveMethod};
 pub use wave_plan::WavePlan;
 pub use wave_rings::Rings;
 pub use wave_sectors::{DEFAULT_SECTORS, MAX_SECTORS, Sectors};

@@ -55,8 +55,9 @@ pub struct ProductCosts {
     pub start: f64,
 }
 
-/// Points of a panel in `wave_product`.
-const PANEL: f64 = 160.0;
+/// Points per panel of the CPU's products, at most: with more of them the error in f32 grows (see `Accuracy` for the bound it must keep), with
+/// fewer the time to add up panels.
+pub const PANEL: usize = 160;
 
 impl WaveCosts {
     /// Fitted to the times that `benches/wave_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512).
@@ -89,6 +90,7 @@ impl WaveMethod {
         self,
         waves: &WaveVectors,
         accuracy: Accuracy,
+        tolerance: f64,
         share: f64,
         n: f64,
         costs: &WaveCosts,
@@ -101,8 +103,8 @@ impl WaveMethod {
             (Self::DirectF64, WaveVectors::Grid(grid)) => costs.f64.nanoseconds(grid, share, n),
             (Self::Nufft, WaveVectors::Grid(grid)) => {
                 let costs = costs.nufft.ok_or("is for the CPU alone")?;
-                let sizes = NufftSizes::new(grid, accuracy.nufft_tolerance(), Self::about(n))
-                    .map_err(|_| "has no kernel wide enough")?;
+                let sizes =
+                    NufftSizes::new(grid, tolerance, Self::about(n)).map_err(|_| "has no kernel wide enough")?;
                 costs.nanoseconds(&sizes, n)
             }
         };
@@ -135,7 +137,7 @@ impl ProductCosts {
         } else {
             (groups(f0 - 1.0), groups((n1 * n2 - 1.0) / 2.0))
         };
-        let panels = (n / PANEL).ceil();
+        let panels = (n / PANEL as f64).ceil();
         self.start
             + n * (rows + columns) * self.entry
             + rows * columns * share * (n * self.mode + panels * self.panel + self.finish)
@@ -157,7 +159,7 @@ mod tests {
     fn what_is_no_method_says_why() {
         let grid = |f: u32| WaveVectors::from(WaveGrid::new(&[f, f]).unwrap());
         let why = |method: WaveMethod, waves: &WaveVectors, accuracy, costs: &WaveCosts| {
-            method.estimate(waves, accuracy, 1.0, 1000.0, costs).err()
+            method.estimate(waves, accuracy, accuracy.nufft_tolerance(), 1.0, 1000.0, costs).err()
         };
         let (fast, high, cpu) = (Accuracy::Fast, Accuracy::High, WaveCosts::CPU);
         assert!(WaveMethod::ALL.iter().all(|&method| why(method, &grid(64), fast, &cpu).is_none()));

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::{
-    Accuracy, Batch, Conventions, EnsembleShape, MEMORY_BUDGET, MethodEstimate, NufftSizes, RING_DIRECTIONS_RULE,
-    Rings, Sectors, TaperPlan, WaveCosts, WaveMethod, WaveVectors, refuse_polygon,
+    Accuracy, Batch, Conventions, EnsembleShape, MEMORY_BUDGET, MethodEstimate, NufftSizes, PANEL,
+    RING_DIRECTIONS_RULE, Rings, Sectors, TaperPlan, WaveCosts, WaveMethod, WaveVectors, refuse_polygon,
 };
 use crate::error::{Error, Result, numbers};
 use crate::memory::Memory;
@@ -32,6 +32,10 @@ pub struct WavePlan {
     pub costs: WaveCosts,
     /// The method of all realizations instead.
     pub method: Option<WaveMethod>,
+    /// The tolerance of transforms: that of the promise.
+    pub tolerance: f64,
+    /// Points of a panel, whose sums in f32 are short enough for the promise; 1 to `PANEL`.
+    pub panel: usize,
     /// What transforms and sums may take.
     pub memory: Memory,
     /// Number and size of realizations.
@@ -74,6 +78,8 @@ impl WavePlan {
             accuracy,
             costs: WaveCosts::CPU,
             method: None,
+            tolerance: accuracy.nufft_tolerance(),
+            panel: PANEL,
             memory: Memory(MEMORY_BUDGET),
             shape,
             batch,
@@ -90,7 +96,7 @@ impl WavePlan {
         if method == WaveMethod::DirectF32 && self.tapered().is_some() {
             return Err("is not for tapers");
         }
-        method.estimate(&self.waves, self.accuracy, share, n, &self.costs)
+        method.estimate(&self.waves, self.accuracy, self.tolerance, share, n, &self.costs)
     }
 
     /// The part of the stored modes that is needed.
@@ -144,10 +150,7 @@ impl WavePlan {
 
     /// Blocks of frequencies that a transform of `n` points is cut to, to fit.
     fn blocks(&self, n: f64) -> usize {
-        let sizes = self
-            .waves
-            .grid()
-            .and_then(|grid| NufftSizes::new(grid, self.accuracy.nufft_tolerance(), WaveMethod::about(n)).ok());
+        let sizes = self.waves.grid().and_then(|grid| NufftSizes::new(grid, self.tolerance, WaveMethod::about(n)).ok());
         sizes.map_or(1, |sizes| sizes.blocks(self.memory))
     }
 
@@ -188,6 +191,14 @@ impl fmt::Display for WavePlan {
         writeln!(f, "wave_power: {waves}, {} rings, {:.3e} flop", self.rings.count, self.flop())?;
         let accuracy = self.accuracy.name();
         writeln!(f, "  accuracy {accuracy}: |P - P_ref| <= {bound:.0e} (1 + P) whatever the points")?;
+        if self.accuracy == Accuracy::Fast {
+            let (rms, root) = (self.accuracy.power_bound().rms_uniform, (self.shape.realizations as f64).sqrt());
+            let (k, least) = (self.shape.realizations, rms * root);
+            writeln!(
+                f,
+                "  chance makes P / sqrt(K) of it, K = {k}: more than its rms error {rms:.0e} wherever P > {least:.0e}; `accuracy` high is for less"
+            )?;
+        }
         let (n, share) = (self.shape.mean_points, self.share());
         let method = self.method(n.round() as usize).name();
         writeln!(f, "  road: {method} for {n} points; on {}, one realization:", self.costs.device)?;

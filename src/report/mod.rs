@@ -87,6 +87,7 @@ fn names() -> Vec<&'static str> {
         .chain(OF_SURVEYS)
         .chain(OF_CONVERGENCE)
         .chain(OF_COMPARISON)
+        .chain(OF_BENCHMARK)
         .chain([NUMBERS, SUMS, SUMS_NEW, SETTINGS, PAGE, SUMMARY])
         .collect()
 }
@@ -106,6 +107,10 @@ const OF_SURVEYS: [&str; 9] = [
 
 /// What a run over numbers of points writes.
 const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv", "convergence.svg"];
+
+/// What a benchmark writes.
+const OF_BENCHMARK: [&str; 7] =
+    ["bench.csv", "efficiency.csv", "growth.csv", "growth_exponents.csv", "bench.svg", "efficiency.svg", "growth.svg"];
 
 /// What a comparison of results writes.
 const OF_COMPARISON: [&str; 1] = ["comparison.csv"];

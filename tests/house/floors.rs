@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 29] = [
+pub const FLOORS: [&str; 30] = [
     "setting",
     "named",
     "sinc",
@@ -33,6 +33,7 @@ pub const FLOORS: [&str; 29] = [
     "convergence",
     "prediction",
     "comparison",
+    "benchmark",
     "command",
 ];
 

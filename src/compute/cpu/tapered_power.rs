@@ -39,7 +39,7 @@ pub(super) fn tapered_power(
             match (&plan.waves, plan.method(ensemble.points_in(k))) {
                 (WaveVectors::Grid(grid), WaveMethod::Nufft) => {
                     let about = WaveMethod::about(ensemble.points_in(k) as f64) as usize;
-                    let tolerance = plan.accuracy.nufft_tolerance();
+                    let tolerance = plan.tolerance;
                     let nufft = cpu.nuffts.get(grid, tolerance, about, cpu.level(), plan.memory)?;
                     let spread = Nonuniform { axes: &points.axes, weights: Some(&tapered) };
                     nufft.components(&spread, &mut scratch, Some(&cpu.pool), control, &mut of_taper)?;

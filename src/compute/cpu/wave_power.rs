@@ -18,7 +18,7 @@ use crate::compute::{Compute, See};
 use crate::control::Control;
 use crate::error::Result;
 use crate::plan::LEAF;
-use crate::plan::{WaveMethod, WavePlan, WaveVectors};
+use crate::plan::{PANEL, WaveMethod, WavePlan, WaveVectors};
 use crate::points::Ensemble;
 use crate::pool::Pool;
 
@@ -112,15 +112,14 @@ impl<'a> AnyMethod<'a> {
         Ok(match (&plan.waves, method) {
             (WaveVectors::List(list), _) => Self::Terms(Terms::new(cpu, list)),
             (WaveVectors::Grid(grid), WaveMethod::DirectF32) => {
-                Self::F32(Product::new(cpu, grid, plan.needed(), parts))
+                Self::F32(Product::new(cpu, grid, plan.needed(), plan.panel, parts))
             }
             (WaveVectors::Grid(grid), WaveMethod::DirectF64) => {
-                Self::F64(Product::new(cpu, grid, plan.needed(), parts))
+                Self::F64(Product::new(cpu, grid, plan.needed(), plan.panel, parts))
             }
-            (WaveVectors::Grid(grid), WaveMethod::Nufft) => Self::Nufft(
-                cpu.nuffts.get(grid, plan.accuracy.nufft_tolerance(), points, cpu.level(), plan.memory)?,
-                grid.dc(),
-            ),
+            (WaveVectors::Grid(grid), WaveMethod::Nufft) => {
+                Self::Nufft(cpu.nuffts.get(grid, plan.tolerance, points, cpu.level(), plan.memory)?, grid.dc())
+            }
         })
     }
 
@@ -215,7 +214,9 @@ pub(super) fn amplitudes(
     let wanted = parts_wanted(cpu, 1);
     match waves {
         WaveVectors::List(list) => fill(cpu, &Terms::new(cpu, list), points, out, control),
-        WaveVectors::Grid(grid) => fill(cpu, &Product::<f64>::new(cpu, grid, None, wanted), points, out, control),
+        WaveVectors::Grid(grid) => {
+            fill(cpu, &Product::<f64>::new(cpu, grid, None, PANEL, wanted), points, out, control)
+        }
     }
 }
 

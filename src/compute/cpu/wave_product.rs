@@ -21,11 +21,7 @@ use super::wave_power::{Method, WavePoints};
 use crate::compute::coprime_from;
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::WaveGrid;
-
-/// Points per panel: with more of them the error grows (see `Accuracy` for the bound it must keep), with fewer the time
-/// to add up panels. `product` must take as many at once.
-const PANEL: usize = 160;
+use crate::plan::{PANEL, WaveGrid};
 
 /// Panels that are added up in f32: that has one rounding per panel more, which is little beside those of its points, and
 /// reads and writes the f64 sums as many times less.
@@ -51,6 +47,7 @@ const SMALLEST_TILE: usize = 32;
 pub(super) struct Product<'a, T> {
     factors: Factors<'a>,
     tiles: Vec<Tile>,
+    panel: usize,
     level: SimdLevel,
     real: std::marker::PhantomData<T>,
 }
@@ -58,10 +55,16 @@ pub(super) struct Product<'a, T> {
 impl<'a, T: Real> Product<'a, T> {
     /// The grid in at least `parts` tiles, where that is sensible. Of the modes only those of `rings` (0 for none), if
     /// given, and DC.
-    pub(super) fn new(cpu: &Cpu, grid: &WaveGrid, rings: Option<&'a [u32]>, parts: usize) -> Self {
+    pub(super) fn new(cpu: &Cpu, grid: &WaveGrid, rings: Option<&'a [u32]>, panel: usize, parts: usize) -> Self {
         let factors = Factors::new(grid, rings);
         let tiles = factors.tiles::<T>(parts);
-        Self { factors, tiles, level: cpu.level(), real: std::marker::PhantomData }
+        Self {
+            factors,
+            tiles,
+            panel: panel.clamp(FEWEST_POINTS, PANEL),
+            level: cpu.level(),
+            real: std::marker::PhantomData,
+        }
     }
 }
 
@@ -81,7 +84,7 @@ impl<T: Real> Method for Product<'_, T> {
         put: impl FnMut(usize, [f64; 2]),
     ) -> Result<()> {
         let tile = &self.tiles[part];
-        scratch.sum(self.level, tile, points, control)?;
+        scratch.sum(self.level, tile, points, self.panel, control)?;
         scratch.write(&self.factors, tile, points, put);
         Ok(())
     }
@@ -257,18 +260,25 @@ impl<T> Default for Scratch<T> {
 
 impl<T: Real> Scratch<T> {
     /// The sums of every row and column of the tile, over all points.
-    fn sum(&mut self, level: SimdLevel, tile: &Tile, points: &WavePoints<'_>, control: &Control) -> Result<()> {
+    fn sum(
+        &mut self,
+        level: SimdLevel,
+        tile: &Tile,
+        points: &WavePoints<'_>,
+        panel: usize,
+        control: &Control,
+    ) -> Result<()> {
         let (rows, columns) = (tile.left.width(), tile.right.width());
         let (left_stride, right_stride) = (stride::<T>(rows), stride::<T>(columns));
-        let left = aligned(&mut self.left, PANEL * left_stride);
-        let right = aligned(&mut self.right, PANEL * right_stride);
+        let left = aligned(&mut self.left, panel * left_stride);
+        let right = aligned(&mut self.right, panel * right_stride);
         zeroed(&mut self.sums, tile.blocks.last().map_or(0, |b| b.offset + b.lines * b.width));
         zeroed(&mut self.row, columns);
         zeroed(&mut self.column, rows);
         let n = points.len();
         // No divisor in common with `n`: else the panels of a lattice can be one lattice shifted, and their rounding
         // errors, alike, add up.
-        let panels = coprime_from(n.div_ceil(PANEL), n);
+        let panels = coprime_from(n.div_ceil(panel), n);
         let mut weights = [T::ONE; PANEL];
         for start in 0..panels {
             if start % PANELS_PER_CHECK == 0 {

@@ -1,0 +1,64 @@
+//! `pairwave bench`
+
+use std::path::PathBuf;
+
+use pairwave::benchmark::{self, Section, Wanted};
+use pairwave::request::DeviceChoice;
+use pairwave::{Error, Result, Setting, check_threads, report};
+
+use super::analyze::conclude;
+use super::progress::{Bar, stop_on_interrupt};
+
+#[derive(clap::Args)]
+pub(crate) struct Bench {
+    /// Small problems and few runs: half a minute instead of some minutes
+    #[arg(long)]
+    quick: bool,
+
+    /// Only these sections
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    only: Vec<Section>,
+
+    /// What is timed beside the CPU path
+    #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu|INDEX")]
+    device: DeviceChoice,
+
+    /// Number of threads of the CPU path [default: 1]
+    #[arg(long, value_name = "T")]
+    threads: Option<usize>,
+
+    /// Directory for tables, figures and the page; without one tables are printed
+    #[arg(long, help_heading = "Output", value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Replace a result that is already there
+    #[arg(long, help_heading = "Output")]
+    force: bool,
+
+    /// No progress and no notes, only errors
+    #[arg(long, help_heading = "Output")]
+    quiet: bool,
+}
+
+impl Bench {
+    pub(crate) fn run(self) -> Result<()> {
+        if self.force && self.out.is_none() {
+            return Err(Error::setting(Setting::Force, "(given)", "needs `out`: without it nothing is written"));
+        }
+        if self.device == DeviceChoice::Reference {
+            let reason = "is what the others are held against; expected auto, cpu, gpu or the index of an adapter";
+            return Err(Error::setting(Setting::Device, "reference", reason));
+        }
+        if let Some(out) = &self.out {
+            report::check_out(out, self.force)?;
+        }
+        self.threads.map_or(Ok(()), check_threads)?;
+        let control = stop_on_interrupt()?;
+        let wanted = Wanted { sections: self.only, quick: self.quick, device: self.device, threads: self.threads };
+        let bar = Bar::new(self.quiet, &control);
+        let found = benchmark::run(&wanted, &control, &mut |p| bar.show(p))?;
+        bar.finish();
+        let out = self.out.as_deref();
+        conclude(self.quiet, &found.warnings, &found.text(), out, |out, asked| found.write(out, asked, self.force))
+    }
+}
