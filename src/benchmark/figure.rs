@@ -40,6 +40,9 @@ struct Curve {
 /// Below this an error is drawn as this: 0, on a logarithmic scale.
 const FLOOR: f64 = 1e-17;
 
+/// Begins the label of a point of the front.
+const FRONT: char = '◦';
+
 const WIDTH: f64 = 960.0;
 const PANEL: [f64; 2] = [960.0, 420.0];
 const FRAME: [[f64; 2]; 2] = [[86.0, 40.0], [660.0, 366.0]];
@@ -99,7 +102,7 @@ fn of_scene(scene: &Scene) -> Panel {
     for way in &scene.ways {
         let error = way.error.map_or(way.total(scene.statistical), |[rms, _]| rms).max(FLOOR);
         let family = if way.error.is_none() { "by chance alone, K = 1" } else { family(&way.method) };
-        let label = if way.front { format!("◦ {}", way.method) } else { way.method.clone() };
+        let label = if way.front { format!("{FRONT} {}", way.method) } else { way.method.clone() };
         let point = [way.seconds.median, error];
         match curves.iter_mut().find(|curve| curve.name == family) {
             Some(curve) => {
@@ -213,7 +216,9 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
         up - 14.0,
         escape(&panel.title)
     );
-    for (v, label) in log_ticks(&y_range) {
+    let ticks = log_ticks(&y_range);
+    let every = ticks.len().div_ceil(9);
+    for (v, label) in ticks.into_iter().rev().step_by(every) {
         let at = y(v);
         let _ = writeln!(
             svg,
@@ -239,6 +244,14 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
             at - 3.0
         );
     }
+    if let Some(front) = front(panel) {
+        let line: Vec<String> = front.iter().map(|p| format!("{:.1} {:.1}", x(p[0]), y(p[1]))).collect();
+        let _ = writeln!(
+            svg,
+            r##"<path d="M{}" fill="none" stroke="#c8c8c8" stroke-width="5" stroke-linejoin="round"/>"##,
+            line.join("L")
+        );
+    }
     let mut row = up + 8.0;
     for (curve, color) in panel.curves.iter().zip(IN_TURN.iter().cycle()) {
         let color = rgb(*color);
@@ -259,7 +272,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
         for (k, point) in curve.points.iter().enumerate() {
             let [cx, cy] = place(point);
             let label = curve.labels.get(k);
-            if label.is_some_and(|label| label.starts_with('◦')) {
+            if label.is_some_and(|label| label.starts_with(FRONT)) {
                 let _ = writeln!(
                     svg,
                     r#"<circle cx="{cx:.1}" cy="{cy:.1}" r="7.5" fill="none" stroke="{color}" stroke-width="1.4"/>"#
@@ -276,7 +289,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
                     letter(panel, curve, k),
                     right + 40.0,
                     letter(panel, curve, k),
-                    escape(&shortened(label.trim_start_matches("◦ "), 38))
+                    escape(&shortened(label.trim_start_matches([FRONT, ' ']), 38))
                 );
                 row += 15.0;
             }
@@ -296,6 +309,14 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
         0.5 * (up + down),
         escape(&panel.y_label)
     );
+}
+
+/// The points that no other beats, from the fastest on; none where none is named so.
+fn front(panel: &Panel) -> Option<Vec<[f64; 2]>> {
+    let all = panel.curves.iter().flat_map(|curve| curve.points.iter().zip(&curve.labels));
+    let mut front: Vec<[f64; 2]> = all.filter(|(_, label)| label.starts_with(FRONT)).map(|(point, _)| *point).collect();
+    front.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    (front.len() > 1).then_some(front)
 }
 
 /// The letter of a point among all of its panel.

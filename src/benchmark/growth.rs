@@ -87,7 +87,7 @@ fn exponents(all: &[Grown]) -> Vec<Exponent> {
     let mut found: Vec<Exponent> = Vec::new();
     for ladder in all.chunk_by(|a, b| (a.of, a.variable) == (b.of, b.variable)) {
         // What is small is all beginnings.
-        let larger = &ladder[ladder.len() / 2 - usize::from(ladder.len() % 2 == 0 && ladder.len() > 2)..];
+        let larger = &ladder[(ladder.len() / 2).min(ladder.len().saturating_sub(2))..];
         let fit = |of: fn(&Grown) -> Measured| {
             let at = |grown: &Grown| VarianceAt { n: grown.value, variance: of(grown) };
             PowerLaw::fit(&larger.iter().map(at).collect::<Vec<_>>()).map(|law| law.slope)

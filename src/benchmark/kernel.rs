@@ -25,7 +25,7 @@ pub(super) fn scene(bench: &Bench<'_>) -> Result<Scene> {
         let bins = RadialBins::linear(range, (range / kernel.bandwidth * per_bandwidth).ceil() as usize)?;
         let pairs = PairPlan::new(domain, bins, Correction::None, shape)?;
         let plan = KernelPlan { method: KernelMethod::Binned, exact: false, pairs, ..exact.clone() };
-        plans.push((format!("{per_bandwidth} bins per bandwidth"), plan));
+        plans.push((format!("fine bins, {per_bandwidth} per bandwidth"), plan));
     }
     let mut ways = Vec::new();
     let mut statistical = 0.0;

@@ -8,8 +8,6 @@ use crate::points::Ensemble;
 /// Operations of a pair, at least: a difference, a square and a sum for each coordinate.
 const FLOP: f64 = 6.0;
 
-const BINS: usize = 256;
-
 /// Random points, and a lattice, on which distances are edges of bins.
 pub(super) fn scenes(bench: &Bench<'_>) -> Result<Vec<Scene>> {
     let side = bench.size(50, 100);
@@ -18,17 +16,18 @@ pub(super) fn scenes(bench: &Bench<'_>) -> Result<Vec<Scene>> {
     let at = |k: usize| k as f64 / side as f64;
     let lattice: Vec<_> = (0..n).map(|k| [at(k % side), at(k / side)]).collect();
     Ok(vec![
-        scene(bench, format!("pairs of {n} random points"), &random)?,
-        scene(bench, format!("pairs of a lattice of {side} x {side} points"), &given(&lattice)?)?,
+        scene(bench, format!("pairs of {n} random points"), &random, 256)?,
+        // Distances along the axes are edges.
+        scene(bench, format!("pairs of a lattice of {side} x {side} points"), &given(&lattice)?, 250)?,
     ])
 }
 
-fn scene(bench: &Bench<'_>, name: String, ensemble: &Ensemble) -> Result<Scene> {
+fn scene(bench: &Bench<'_>, name: String, ensemble: &Ensemble, bins: usize) -> Result<Scene> {
     let r_max = 0.25;
-    let plan = PairPlan::new(ensemble.domain(), RadialBins::linear(r_max, BINS)?, Correction::None, ensemble.shape())?;
+    let plan = PairPlan::new(ensemble.domain(), RadialBins::linear(r_max, bins)?, Correction::None, ensemble.shape())?;
     let n = ensemble.points_in(0) as f64;
     // Counts that are expected of random points.
-    let expected: Vec<f64> = (0..BINS).map(|bin| n * (n - 1.0) * plan.shell_measure(bin)).collect();
+    let expected: Vec<f64> = (0..bins).map(|bin| n * (n - 1.0) * plan.shell_measure(bin)).collect();
     let truth = bench.once(&bench.reference()?, &mut async |on| on.pair_counts(&plan, ensemble).await)?.counts;
     let error = |counts: &[u64]| {
         error_of(counts.iter().zip(&truth).zip(&expected).map(|((&c, &t), e)| (c as f64 - t as f64) / e))
@@ -40,7 +39,7 @@ fn scene(bench: &Bench<'_>, name: String, ensemble: &Ensemble) -> Result<Scene> 
         ("plain loop, f64", naive::pairs_f64 as fn(&[[f64; 2]], f64, usize) -> Vec<u64>),
         ("plain loop, f32, vectors", naive::pairs_f32),
     ] {
-        let (seconds, counts) = bench.plain(|| count(&points, r_max, BINS))?;
+        let (seconds, counts) = bench.plain(|| count(&points, r_max, bins))?;
         ways.push(Way {
             method: method.into(),
             device: bench.machine.cpu.clone(),
@@ -76,6 +75,6 @@ fn scene(bench: &Bench<'_>, name: String, ensemble: &Ensemble) -> Result<Scene> 
     }
     // Independent points: pairs of a bin are nearly Poisson, and each counts twice.
     let [statistical, _] = error_of(expected.iter().map(|e| (2.0 / e).sqrt()));
-    let name = format!("{name}, r < {r_max}, {BINS} bins");
+    let name = format!("{name}, r < {r_max}, {bins} bins");
     Ok(Scene { name, section: Section::Pairs, error_of: "g, over its bins", ways, statistical })
 }

@@ -45,14 +45,14 @@ fn scene(bench: &Bench<'_>, integrand: &str, ensemble: &Ensemble) -> Result<Scen
     ];
     for factor in [1.0, 2.5, 5.0, 10.0] {
         let frequency = (factor * n.sqrt()).ceil() as u32;
-        let method = format!("frequencies up to {factor} sqrt(n), tail closed");
+        let method = format!("frequencies, up to {factor} sqrt(n), tail closed");
         forms.push(Form { method, frequency, of: |e| Some(e.closed), ..predicted("", Spatial::None) });
     }
     for shifts in [1, 4, 16, 64] {
-        let method = format!("observed at {shifts} random shift{}", if shifts == 1 { "" } else { "s" });
+        let method = format!("observed, at {shifts} random shift{}", if shifts == 1 { "" } else { "s" });
         forms.push(Form { method, shifts, of: |e| Some(e.shifted), observed: true, ..predicted("", Spatial::None) });
     }
-    let method = "observed as it is".into();
+    let method = "observed, as it is".into();
     forms.push(Form { method, of: |e| e.observed, observed: true, ..predicted("", Spatial::None) });
 
     let (mut ways, mut truth, mut statistical) = (Vec::new(), None, 0.0);

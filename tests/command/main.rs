@@ -6,6 +6,7 @@ mod common;
 
 mod analyze;
 mod batches;
+mod bench;
 mod broken_files;
 mod compare;
 mod config;

@@ -2,7 +2,11 @@
 //! and transformed by the device's own kernels, and held against those by Hotelling's T^2. A sum that cannot vary, as the peaks of a
 //! lattice, is held to its bound.
 
+mod stress;
+
 use std::collections::BTreeMap;
+
+pub use stress::{Stress, stress};
 
 use crate::ball::unit_ball;
 use crate::compute::{Compute, Device};
@@ -188,7 +192,7 @@ mod tests {
     use crate::points::Ensemble;
 
     /// A device that loses one pair in fifty of one bin.
-    struct Forgetful(Cpu);
+    pub(super) struct Forgetful(pub(super) Cpu);
 
     impl Compute for Forgetful {
         fn computed_by(&self) -> ComputedBy {

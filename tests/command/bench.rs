@@ -1,0 +1,105 @@
+//! `pairwave bench`: its files, and what holds on any machine: exact ways have no error, errors of others are below what is promised, and the truth is
+//! none of the ways.
+
+use std::collections::BTreeMap;
+
+use crate::shared::Scratch;
+
+/// The rows of a table of a result, by column.
+fn rows(dir: &std::path::Path, name: &str) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(dir.join(name)).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let row =
+        |record: csv::StringRecord| header.iter().map(String::from).zip(record.iter().map(String::from)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+#[test]
+fn ways_to_the_same_numbers_are_as_far_from_the_exact_ones_as_they_are_known_to_be() {
+    let scratch = Scratch::new();
+    let out = scratch.path("bench");
+    let text = scratch.ok("bench --quick --only pairs,kernel,spectrum --device cpu --out bench");
+    assert!(text.contains("GFLOP/s of f32 multiply-adds"), "{text}");
+    let ways = rows(&out, "bench.csv");
+    let of = |section: &str, method: &str| {
+        let found: Vec<_> =
+            ways.iter().filter(|row| row["section"] == section && row["method"].starts_with(method)).collect();
+        assert!(!found.is_empty(), "no {method} of {section}");
+        found
+    };
+    // Counts are the integers of the reference, of the lattice too; a loop in f32 misplaces pairs of it.
+    assert!(of("pairs", "exact").iter().all(|row| number(row, "error_max") == 0.0));
+    assert!(of("pairs", "plain loop, f32").iter().any(|row| number(row, "error_max") > 1e-3));
+    assert!(of("kernel", "pair by pair").iter().all(|row| number(row, "error_max") < 1e-12));
+    let fine = of("kernel", "fine bins");
+    let errors: Vec<f64> = fine.iter().map(|row| number(row, "error_rms")).collect();
+    assert!(errors.first() > errors.last() && errors.iter().all(|&e| 0.0 < e && e < 0.1), "{errors:?}");
+    // The promises of `fast` and `high`, which transforms keep by their tolerance.
+    assert!(of("spectrum", "direct, f32").iter().all(|row| number(row, "error_max") < 1e-5));
+    assert!(of("spectrum", "direct, f64").iter().all(|row| number(row, "error_max") < 1e-11));
+    assert!(of("spectrum", "NUFFT, 1e-9").iter().all(|row| number(row, "error_max") < 1e-7));
+    assert!(of("spectrum", "NUFFT, 1e-3").iter().all(|row| number(row, "error_rms") > 1e-9), "a coarse one errs");
+    assert!(of("spectrum", "sine and cosine of each term, f32").iter().all(|row| number(row, "error_rms") > 1e-8));
+    for row in &ways {
+        let [least, median, most] = ["seconds_least", "seconds", "seconds_most"].map(|column| number(row, column));
+        assert!(0.0 < least && least <= median && median <= most, "{row:?}");
+        assert!(number(row, "error_statistical") > 0.0);
+    }
+    // No way of the front is beaten by another of its scene.
+    for row in ways.iter().filter(|row| row["pareto"] == "yes") {
+        let beats = |other: &&BTreeMap<String, String>| {
+            let of = |row: &BTreeMap<String, String>| [number(row, "seconds"), number(row, "error_rms")];
+            let ([t, e], [other_t, other_e]) = (of(row), of(other));
+            other["scene"] == row["scene"] && other_t <= t && other_e <= e && (other_t < t || other_e < e)
+        };
+        assert_eq!(ways.iter().find(beats), None, "{row:?}");
+    }
+    for name in ["bench.svg", "report.html", "summary.json", "run.toml"] {
+        assert!(out.join(name).exists(), "{name}");
+    }
+    let svg = std::fs::read_to_string(out.join("bench.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    assert!(!out.join("growth.csv").exists(), "only what was asked for");
+}
+
+#[test]
+fn predictions_and_observations_agree_and_samplers_are_ranked() {
+    let scratch = Scratch::new();
+    let out = scratch.path("bench");
+    scratch.ok("bench --quick --only variance,samplers --device cpu --out bench");
+    let ways = rows(&out, "bench.csv");
+    for row in ways.iter().filter(|row| !row["method"].starts_with("observed")) {
+        // Far below what chance makes of one realization.
+        assert!(number(row, "error_rms") < 0.05 * number(row, "error_statistical"), "{row:?}");
+    }
+    assert!(ways.iter().filter(|row| row["method"].starts_with("observed")).all(|row| row["error_rms"].is_empty()));
+    let efficiency = rows(&out, "efficiency.csv");
+    let error = |sampler: &str, integrand: &str, n: &str| {
+        let found = efficiency
+            .iter()
+            .find(|row| row["sampler"] == sampler && row["integrand"].starts_with(integrand) && row["n"] == n);
+        number(found.unwrap(), "error_rms")
+    };
+    // Random: sqrt(v0 / n), v0 = 1/12 of the ramp; jittered: 1 / (12 n^2) of it, unshifted.
+    assert!((error("random", "ramp", "1024") / (1.0f64 / 12.0 / 1024.0).sqrt() - 1.0).abs() < 0.4);
+    assert!((error("jittered", "ramp", "1024") / ((1.0f64 / 12.0).sqrt() / 1024.0) - 1.0).abs() < 0.4);
+    assert!(error("jittered", "disk", "1024") < error("random", "disk", "1024"));
+    assert!(efficiency.iter().all(|row| number(row, "seconds_drawing") > 0.0));
+}
+
+#[test]
+fn what_cannot_be_timed_says_why() {
+    let scratch = Scratch::new();
+    for (line, code, why) in [
+        ("bench --device reference", 2, "is what the others are held against"),
+        ("bench --quick --force", 2, "without it nothing is written"),
+        ("bench --only everything", 2, "possible values: pairs, kernel, spectrum"),
+        ("bench --threads 0", 2, "expected 1 to"),
+    ] {
+        scratch.fails(line, code, why);
+    }
+}
