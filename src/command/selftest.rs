@@ -73,7 +73,7 @@ impl Selftest {
             let Stress { what, bound, measured, tried, .. } = one;
             let clearance = one.clearance();
             self.show(
-                &format!("{verdict}  {bound:8.1e}  {measured:8.1e}  {clearance:9.3}  {what} ({tried} tried)\n"),
+                &format!("{verdict}  {bound:8.1e}  {measured:8.1e}  {clearance:9.1e}  {what} ({tried} tried)\n"),
                 &mut told,
             );
         };

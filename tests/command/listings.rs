@@ -183,3 +183,21 @@ fn shells_complete_names() {
     }
     scratch.fails("completions tcsh", 2, "tcsh");
 }
+
+#[test]
+fn promises_hold_where_they_are_pushed_at() {
+    let scratch = Scratch::new();
+    let json: serde_json::Value = serde_json::from_str(&scratch.ok("selftest --stress --device cpu --json")).unwrap();
+    let all = json["stress"].as_array().unwrap();
+    assert!(all.len() > 30 && all.iter().all(|one| one["holds"] == true), "{json:#}");
+    // A bound that nothing comes near proves little: of each accuracy one way is within a factor of a thousand.
+    for accuracy in ["fast", "high"] {
+        let near = |one: &serde_json::Value| {
+            let searched = one["what"].as_str().unwrap();
+            searched.contains("a search finds")
+                && searched.ends_with(accuracy)
+                && one["measured"].as_f64().unwrap() > 1e-3 * one["bound"].as_f64().unwrap()
+        };
+        assert!(all.iter().any(near), "{accuracy}: {json:#}");
+    }
+}
