@@ -7,6 +7,7 @@ mod ahead;
 mod envelope;
 mod fallback;
 mod measurement;
+mod metamorphic;
 mod sources;
 mod streaming;
 mod survives;
