@@ -6,6 +6,7 @@ mod common;
 mod envelope;
 mod fallback;
 mod measurement;
+mod mortal;
 mod sources;
 mod streaming;
 mod survives;
