@@ -69,6 +69,10 @@ impl Measurement {
     /// As `resume`.
     pub fn extend(mut self, mut earlier: Self, device: &Device) -> Result<Self> {
         let (shape, lists) = (earlier.source.shape(), self.plan.lists.clone());
+        if self.source.is_scanned() && shape.realizations < self.total() {
+            let reason = "were scanned, and of the first of them alone nothing is known; expected the files themselves, to add to a result";
+            return Err(Error::setting(Setting::Files, self.source.subject(), reason));
+        }
         if self.source.identity_of_first(shape.realizations).as_ref() == Some(earlier.source.identity()) {
             earlier.source = self.source.clone();
         }

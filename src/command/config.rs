@@ -148,10 +148,10 @@ fn with_scan(words: &mut Vec<OsString>, command: &Command) -> Result<()> {
     };
     let files: Vec<&PathBuf> = typed.get_many("files").into_iter().flatten().collect();
     let [path] = files.as_slice() else { return Ok(()) };
-    let Some(scan) = Scan::read(path)? else { return Ok(()) };
+    let Some(settings) = Scan::settings_in(path)? else { return Ok(()) };
     let given = |row: &Row| typed.value_source(row.setting.name()) == Some(ValueSource::CommandLine);
-    let of_scan =
-        scan.settings().filter_map(|(setting, value)| Some((setting.row()?, value))).filter(|(row, _)| !given(row));
+    let rows = settings.into_iter().filter_map(|(setting, value)| Some((setting.row()?, value)));
+    let of_scan = rows.filter(|(row, _)| !given(row));
     let arguments = of_scan.map(|(row, value)| match row.is_switch() {
         true => row.flag.into(),
         false => format!("{}={value}", row.flag).into(),

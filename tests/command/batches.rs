@@ -295,6 +295,59 @@ fn a_cluster_is_an_array_of_parts() {
     assert!(second.contains("--out out: holds a result already"), "{second}");
 }
 
+/// Files are scanned once, before the parts, which read their own; by processes one after the other, and by jobs that wait for each other.
+#[cfg(unix)]
+#[test]
+fn a_cluster_scans_files_once() {
+    /// A queue that runs each job as it comes, and notes what it was asked for.
+    const SBATCH: &str = r#"#!/bin/bash
+        echo "$*" >>"$0.log"
+        while (($#)); do
+            case $1 in --array=1-*) last=${1#--array=1-} ;; --wrap) wrap=$2 && shift ;; esac
+            shift
+        done
+        for ((k = 1; k <= ${last:-1}; k++)); do SLURM_ARRAY_TASK_ID=$k bash -c "$wrap" >&2 || exit 1; done
+        wc -l <"$0.log"
+    "#;
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("runs")).unwrap();
+    std::fs::create_dir(scratch.path("queue")).unwrap();
+    for k in 0..40 {
+        scratch.ok(&format!("sample random -n 50 -k 1 --seed {k} --quiet --out runs/{k:02}.csv"));
+    }
+    let run = "--stats pcf,spectrum --device cpu";
+    scratch.ok(&format!("analyze runs --box 1,1 {run} --quiet --out whole"));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/slurm/run.sh");
+    let steps = |out: &str, path: &str| {
+        let mut command = Command::new("bash");
+        let arguments = format!("{script} 2 {out} runs --box 1,1 -- {run}");
+        command.args(arguments.split_whitespace()).current_dir(scratch.0.path());
+        command.env("PAIRWAVE", env!("CARGO_BIN_EXE_pairwave")).env("PATH", format!("{path}/usr/bin:/bin"));
+        let output = command.output().unwrap();
+        (output.status.success(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (done, told) = steps("alone", "");
+    assert!(done, "{told}");
+    assert_same(&scratch, "whole", "alone");
+
+    let queue = scratch.file("queue/sbatch", SBATCH);
+    std::fs::set_permissions(&queue, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let (done, told) = steps("queued", &format!("{}:", scratch.path("queue").display()));
+    assert!(done, "{told}");
+    // A job has the threads that the queue gives it, which the device says.
+    assert!(bytes(&scratch.path("whole")) == bytes(&scratch.path("queued")));
+    let jobs = std::fs::read_to_string(scratch.path("queue/sbatch.log")).unwrap();
+    let jobs: Vec<&str> = jobs.lines().collect();
+    assert!(jobs.len() == 3 && jobs[0].contains("scan runs --box 1\\,1 "), "{jobs:?}");
+    assert!(jobs[1].contains("--dependency=afterok:1 ") && jobs[1].contains("analyze queued.scan "), "{jobs:?}");
+    assert!(jobs[2].contains("--dependency=afterok:2 "), "{jobs:?}");
+    // Again, the scan that is there does.
+    let before = std::fs::metadata(scratch.path("alone.scan")).unwrap().modified().unwrap();
+    std::fs::remove_dir_all(scratch.path("alone")).unwrap();
+    assert!(steps("alone", "").0);
+    assert_eq!(std::fs::metadata(scratch.path("alone.scan")).unwrap().modified().unwrap(), before);
+}
+
 /// A disk that takes no file beyond 4 KiB: what was kept before stays, and what failed is said.
 #[cfg(unix)]
 #[test]
