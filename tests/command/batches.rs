@@ -380,6 +380,72 @@ fn a_full_disk_takes_nothing_that_was_kept() {
     assert_same(&scratch, "whole", "out");
 }
 
+/// A file system of its own that is too small for a result. Mounting it needs rights that not every machine gives.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_without_room_keeps_the_sums() {
+    /// In a folder of its own: a run whose sums fit alone, and one whose first checkpoint leaves no room for another; both gone on with when there is room.
+    const STEPS: &str = r#"
+        mkdir full && mount -t tmpfs -o "size=$SMALL" none full || exit 77
+        run() { name=$1; shift; "$PAIRWAVE" analyze $RUN "$@" --out "full/$name" 2>>"$name.told"; echo $? >>"$name.codes"; }
+        for name in sums checkpoint; do
+            [ $name = sums ] && every= || every="--checkpoint 0"
+            run $name $every
+            { ls -A full; ls -A "full/$name"; } >"$name.names"
+            mount -o remount,size=64m full
+            run $name --resume
+            cp -r "full/$name" . && rm -r "full/$name"
+            mount -o remount,size="$SMALL" full
+        done
+    "#;
+    let scratch = Scratch::new();
+    let run = RUN.replace(",covariance,counts --covariance-frequency 2 --integrand disk", "");
+    scratch.ok(&format!("analyze {run} --out whole"));
+    scratch.ok(&format!("analyze {run} --keep-sums --out kept"));
+    scratch.ok(&format!("analyze {run} --time-limit 0 --out begun"));
+    let size = |dir: &str| std::fs::metadata(scratch.path(dir).join("partial.sums")).unwrap().len();
+    let result: u64 =
+        std::fs::read_dir(scratch.path("whole")).unwrap().map(|e| e.unwrap().metadata().unwrap().len()).sum();
+    let small = size("kept") + (48 << 10);
+    assert!(size("begun") > 64 << 10 && result > small, "{} {result}", size("begun"));
+    let tried = [&["--user", "--map-root-user", "--mount"][..], &["--mount"]].into_iter().any(|rights| {
+        let mut command = Command::new("unshare");
+        command.args(rights).args(["sh", "-c", STEPS]).current_dir(scratch.0.path()).env("RUN", &run);
+        command.env("PAIRWAVE", env!("CARGO_BIN_EXE_pairwave")).env("SMALL", small.to_string());
+        let output = command.output();
+        if let Ok(output) = &output
+            && output.status.success()
+        {
+            return true;
+        }
+        eprintln!("no file system of its own by unshare {}: {output:?}", rights.join(" "));
+        let _ = std::fs::remove_dir(scratch.path("full"));
+        false
+    });
+    if !tried {
+        eprintln!("the disk that is full is a limit on the size of files");
+        let line = format!(
+            "trap '' XFSZ; ulimit -f 100; exec {} analyze {run} --checkpoint 0 --out limited",
+            env!("CARGO_BIN_EXE_pairwave")
+        );
+        let output = Command::new("sh").args(["-c", &line]).current_dir(scratch.0.path()).output().unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(1) && told.contains("File too large"), "{told}");
+        return;
+    }
+    let read = |name: &str| std::fs::read_to_string(scratch.path(name)).unwrap();
+    for (name, said) in [
+        ("sums", "70 of 70 realizations are kept in full/sums: the same command with --resume goes on"),
+        ("checkpoint", " of 70 realizations of the last checkpoint are in full/checkpoint: --resume goes on with them"),
+    ] {
+        let told = read(&format!("{name}.told"));
+        assert!(told.contains("No space left on device") && told.contains(said), "{name}: {told}");
+        assert_eq!(read(&format!("{name}.codes")), "1\n0\n", "{name}: {told}");
+        assert_eq!(read(&format!("{name}.names")), format!("{name}\npartial.sums\n"), "nothing else is left");
+        assert_same(&scratch, "whole", name);
+    }
+}
+
 #[test]
 fn progress_is_told_as_json() {
     let scratch = Scratch::new();

@@ -204,3 +204,29 @@ fn points_beside_others_are_measured_by_the_same_settings() {
     );
     scratch.fails("analyze mine.npy --beside random --shard 1/2 --out d", 2, "--shard (given): is of one measurement");
 }
+
+#[test]
+fn what_marks_points_is_said_to_be_left_out_beside_a_sampler() {
+    let scratch = Scratch::new();
+    let points: String = (0..60)
+        .map(f64::from)
+        .map(|k| format!("{},{},{},{}\n", (0.618 * k).fract(), (0.755 * k).fract(), k % 2.0, 1.0 + k % 3.0))
+        .collect();
+    scratch.file("points.csv", &format!("x,y,kind,w\n{points}"));
+    let run = "analyze points.csv --stats pcf --bins 8 --device cpu --beside random --beside points.csv";
+    for (marks, said) in [
+        (
+            "--class-column kind --classes 0,1",
+            "all/random: measured without --class-column kind and --classes 0,1: points of random have none",
+        ),
+        ("--weight-column w", "all/random: measured without --weight-column w: points of random have none"),
+    ] {
+        let output = scratch.run(&format!("{run} {marks} --out all --force"));
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && told.contains(said), "{told}");
+        // The file beside has them.
+        assert_eq!(told.matches("measured without").count(), 1, "{told}");
+        let notes = crate::shared::summary(&scratch.path("all"))["warnings"].to_string();
+        assert!(notes.contains("measured without"), "{notes}");
+    }
+}
