@@ -31,7 +31,9 @@ fn main() -> ExitCode {
         Err(error) => return failed(&error),
     };
     // clap prints usage errors itself, with exit code 2.
-    let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|error| config::exit(&error, config.as_ref()));
+    let matches = command
+        .try_get_matches_from_mut(&words)
+        .unwrap_or_else(|error| config::exit(&error, config.as_ref(), &words, &mut command));
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
     config::keep(&command, &matches);
     match arguments.command.run(command) {

@@ -182,12 +182,6 @@ impl<'a> Decoder<'a> {
         serde_json::from_value(value).map_err(|e| self.error(format!("{name}: {e}")))
     }
 
-    /// Whether there is an array of this name.
-    pub fn has(&self, name: &str) -> bool {
-        let name = format!("{}{name}", self.prefix);
-        self.arrays.iter().any(|(known, ..)| *known == name)
-    }
-
     /// An array of integers.
     ///
     /// # Errors

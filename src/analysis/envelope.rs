@@ -67,7 +67,7 @@ pub(super) async fn envelopes(
         };
         let mut simulation = Measurement::new(observed.request.clone(), Arc::new(source), plan.clone());
         while simulation.advance(device, control, &mut |_| ()).await? {}
-        let curves = simulation.estimates().map_or(Vec::new(), |found| curves(&found));
+        let curves = simulation.estimates(control)?.map_or(Vec::new(), |found| curves(&found));
         simulated.iter_mut().zip(curves).for_each(|(all, curve)| all.push(curve.values));
     }
     let curves = observed_curves.into_iter().zip(simulated).map(|(curve, all)| Envelope::new(curve, &all)).collect();

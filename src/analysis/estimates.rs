@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::Measurement;
 use crate::accumulate::{Backend, ComputedBy};
-use crate::control::Instant;
-use crate::error::plural;
+use crate::control::{Control, Instant};
+use crate::error::{Result, plural};
 use crate::estimate::Analysis;
 use crate::setting::Setting;
 use crate::statistics::group::{Part, PartSums, Subject};
@@ -15,7 +15,7 @@ impl Measurement {
     /// The estimates of what was measured so far; `None` before the first step.
     pub fn analysis(&self) -> Option<Analysis> {
         let start = Instant::now();
-        let mut found = self.estimates()?;
+        let mut found = self.estimates(&Control::default()).ok()??;
         let source = &self.source;
         found.subject = source.subject().to_string();
         found.parameters = self.request.parameters();
@@ -33,8 +33,13 @@ impl Measurement {
         Some(found)
     }
 
-    /// The estimates, without the words about how they came about.
-    pub(super) fn estimates(&self) -> Option<Analysis> {
+    /// The estimates, without the words about how they came about; `None` before the first step.
+    ///
+    /// # Errors
+    /// `Error::Cancelled`, which is looked for before each group of sums.
+    pub(super) fn estimates(&self, control: &Control) -> Result<Option<Analysis>> {
+        control.check()?;
+        let Some(first) = self.first.clone() else { return Ok(None) };
         let (request, shape, source) = (&self.request, self.shape(), &self.source);
         let subject = Subject { request, domain: source.domain(), process: source.process(), shape };
         let sums: Vec<(&dyn Part, Cow<'_, dyn PartSums>)> = (self.plan.parts.iter())
@@ -46,7 +51,7 @@ impl Measurement {
             .collect();
         let by = sums.iter().filter_map(|(_, sums)| sums.computed_by().cloned()).reduce(|a, b| a.merge(&b));
         let by = by.unwrap_or_else(|| ComputedBy::new(Backend::Cpu, "cpu"));
-        let mut found = Analysis::new(source.subject(), shape, self.first.clone()?, by);
+        let mut found = Analysis::new(source.subject(), shape, first, by);
         found.domain = source.domain().clone();
         found.findings.add(source.inhomogeneity().cloned());
         found.min_points = self.sizes.least();
@@ -56,6 +61,7 @@ impl Measurement {
             found.closed_form.name = process.name.clone();
         }
         for (part, sums) in &sums {
+            control.check()?;
             part.estimate(sums.as_ref(), &subject, &mut found);
         }
         found.warnings.extend(self.unweighted());
@@ -67,11 +73,12 @@ impl Measurement {
         }
         for last in [false, true] {
             for (part, sums) in sums.iter().filter(|(part, _)| part.last_words() == last) {
+                control.check()?;
                 let warnings = part.warnings(sums.as_ref(), &subject, &self.plan.parts, &found);
                 found.warnings.extend(warnings);
             }
         }
-        Some(found)
+        Ok(Some(found))
     }
 
     /// What to know of points that are weighted by the inverse of their intensity.

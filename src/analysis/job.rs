@@ -1,17 +1,12 @@
 //! A measurement carried out to its end, or as far as it comes: what is done is kept on the way.
 
-use std::fs;
-use std::io::{self, Write};
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
-use super::{Analysis, Measurement, Plan};
+use super::{Analysis, Measurement};
 use crate::compute::Device;
 use crate::control::{Control, Instant, Known, Progress};
-use crate::error::{Error, Result, plural};
-use crate::plan::LEAF;
-use crate::report::{SUMS, SUMS_NEW};
+use crate::error::{Error, Result};
 use crate::setting::Setting;
 use crate::statistics::measured::median_error;
 use crate::statistics::targets::{Standing, Standings, Target, look_from, next_look};
@@ -83,7 +78,7 @@ impl Job {
             let mut tell = |told| progress(watch.told(told));
             match crate::control::wait(measurement.advance(device, control, &mut tell)) {
                 Ok(true) => {}
-                Ok(false) => match watch.look(measurement, &self.until) {
+                Ok(false) => match watch.look(measurement, &self.until, control) {
                     Ok(true) => return Ended::Whole,
                     Ok(false) if measurement.is_done() => return Ended::Whole,
                     Ok(false) => continue,
@@ -94,7 +89,7 @@ impl Job {
             if !measurement.is_even() || measurement.is_done() {
                 continue;
             }
-            if let Err(error) = watch.find(measurement, &self.until) {
+            if let Err(error) = watch.find(measurement, &self.until, control) {
                 return Ended::Failed(error);
             }
             if self.time_limit.is_some_and(|limit| start.elapsed() >= limit) {
@@ -108,8 +103,10 @@ impl Job {
                 }
                 saved = Instant::now();
             }
-            if self.until.is_empty() {
-                watch.glance(measurement);
+            if self.until.is_empty()
+                && let Err(error) = watch.glance(measurement, control)
+            {
+                return Ended::Failed(error);
             }
         }
     }
@@ -141,19 +138,19 @@ impl Watch {
     }
 
     /// Whether there are the numbers that are waited for, asked once and early.
-    fn find(&mut self, measurement: &Measurement, until: &[Target]) -> Result<()> {
+    fn find(&mut self, measurement: &Measurement, until: &[Target], control: &Control) -> Result<()> {
         if std::mem::replace(&mut self.found, true) || until.is_empty() {
             return Ok(());
         }
-        measurement.estimates().map_or(Ok(()), |found| standings(&found, until, 0).map(drop))
+        measurement.estimates(control)?.map_or(Ok(()), |found| standings(&found, until, 0).map(drop))
     }
 
     /// Looks whether every target is reached.
-    fn look(&mut self, measurement: &mut Measurement, until: &[Target]) -> Result<bool> {
+    fn look(&mut self, measurement: &mut Measurement, until: &[Target], control: &Control) -> Result<bool> {
         if until.is_empty() {
             return Ok(false);
         }
-        let Some(found) = measurement.estimates() else { return Ok(false) };
+        let Some(found) = measurement.estimates(control)? else { return Ok(false) };
         self.looks += 1;
         let standings = standings(&found, until, self.looks)?;
         let reached = standings.iter().all(|standing| standing.reached);
@@ -170,18 +167,19 @@ impl Watch {
     }
 
     /// Looks at the present error now and then, where estimates are quick beside the measuring.
-    fn glance(&mut self, measurement: &Measurement) {
+    fn glance(&mut self, measurement: &Measurement, control: &Control) -> Result<()> {
         const LEAST: f64 = 1.0;
         const SHARE: f64 = 0.02;
         /// Bytes of sums whose estimates take no time to speak of.
         const SMALL: u128 = 64 << 20;
         if measurement.memory() > SMALL || self.glanced.elapsed().as_secs_f64() < (self.took / SHARE).max(LEAST) {
-            return;
+            return Ok(());
         }
         let start = Instant::now();
-        let found = measurement.estimates();
+        let found = measurement.estimates(control)?;
         self.known = found.and_then(|found| median_error(&found)).map(|(of, error)| Known::Median(of, error));
         (self.glanced, self.took) = (Instant::now(), start.elapsed().as_secs_f64());
+        Ok(())
     }
 }
 
@@ -192,104 +190,41 @@ fn standings(found: &Analysis, until: &[Target], looks: u64) -> Result<Vec<Stand
     until.iter().map(of).collect()
 }
 
-impl Measurement {
-    /// `512 of 1024 realizations`.
-    pub fn held(&self) -> String {
-        format!("{} of {}", self.realizations(), plural(self.total(), "realization"))
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::cpu::Cpu;
+    use crate::request::Request;
 
-    /// The part `shard` (from 1) of `of` parts of about the same number of realizations, to be measured by itself and merged.
-    ///
-    /// # Errors
-    /// A part that cannot be; what needs all realizations at once.
-    pub fn shard(self, shard: u64, of: u64, device: &Device) -> Result<Self> {
-        let refuse = |reason: String| Err(Error::setting(Setting::Shard, format!("{shard}/{of}"), reason));
-        if let Some(what) = self.needs_all() {
-            return refuse(format!(
-                "{what} needs all realizations at once; expected it in the run that is not cut, or left out"
-            ));
+    /// What is stopped while the device measures is not estimated first, whatever is due then.
+    #[test]
+    fn estimates_on_the_way_hear_that_they_are_not_wanted() {
+        let device = Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None).unwrap();
+        let mut request = Request { bins: Some(8), ..Request::default() };
+        let input = &mut request.input;
+        (input.sampler, input.points, input.realizations) = (Some("random".into()), Some(20), Some(4));
+        let mut measurement = Measurement::of(&request).unwrap();
+        let control = Control::default();
+        while measurement.step(&device, &control).unwrap() {}
+        let until = ["pcf@0.1:1".parse::<Target>().unwrap()];
+        let watch = || Watch { glanced: Instant::now() - Duration::from_secs(9), ..Watch::new(0, false) };
+        let mut heard = watch();
+        heard.find(&measurement, &until, &control).unwrap();
+        heard.look(&mut measurement, &until, &control).unwrap();
+        heard.glance(&measurement, &control).unwrap();
+        assert!(heard.looks == 1 && heard.known.is_some() && !measurement.standings().is_empty());
+        measurement.stand(Standings(Vec::new()));
+        control.cancel();
+        let mut watch = watch();
+        for heard in [
+            watch.find(&measurement, &until, &control),
+            watch.look(&mut measurement, &until, &control).map(drop),
+            watch.glance(&measurement, &control),
+        ] {
+            assert!(matches!(heard, Err(Error::Cancelled)), "{heard:?}");
         }
-        let leaves = self.total().div_ceil(LEAF);
-        if shard == 0 || shard > of || of > leaves {
-            return refuse(format!(
-                "expected I/N with 1 <= I <= N <= {leaves}: {} are summed {LEAF} at a time",
-                plural(self.total(), "realization")
-            ));
-        }
-        let cut =
-            |shard: u64| ((u128::from(leaves) * u128::from(shard) / u128::from(of)) as u64 * LEAF).min(self.total());
-        let span = cut(shard - 1)..cut(shard);
-        self.within(span, device)
-    }
-
-    /// Goes on where another measurement of the same kind ended.
-    ///
-    /// # Errors
-    /// As `merge`; realizations that this one is not to have.
-    pub fn resume(mut self, earlier: Self) -> Result<Self> {
-        let span = self.span.clone();
-        let beyond = |(run, _): (Range<u64>, u64)| match run.start < span.start {
-            true => Some(run.start),
-            false => (run.end > span.end).then(|| run.start.max(span.end)),
-        };
-        if let Some(out) = earlier.sizes.runs().find_map(beyond) {
-            let reason =
-                format!("holds realization {}; expected realizations {} to {} only", out + 1, span.start + 1, span.end);
-            return Err(Error::input("the earlier run", reason));
-        }
-        self.merge(earlier)?;
-        Ok(self.to(span))
-    }
-
-    /// Adds these realizations to those of an earlier measurement, by the plan that the earlier one was made by: numbers that follow from how
-    /// many realizations there are (points that F is looked at from, windows that are counted in) stay what they were. Of files, the first
-    /// realizations are those of the earlier one, in its order, and others come after them.
-    ///
-    /// # Errors
-    /// As `resume`.
-    pub fn extend(mut self, mut earlier: Self, device: &Device) -> Result<Self> {
-        let (shape, lists) = (earlier.source.shape(), self.plan.lists.clone());
-        if self.source.identity_of_first(shape.realizations).as_ref() == Some(earlier.source.identity()) {
-            earlier.source = self.source.clone();
-        }
-        let planned = Plan::with(&self.request, self.source.domain(), shape, self.source.classes(), lists)?;
-        self.plan = planned.for_device(device.compute());
-        Self::new(self.request, self.source, self.plan).resume(earlier)
-    }
-
-    /// Writes its sums into a directory, whole or not at all.
-    ///
-    /// # Errors
-    /// What the file system says; what was there before stays.
-    pub fn save(&self, dir: &Path) -> Result<()> {
-        let (path, new) = (dir.join(SUMS), dir.join(SUMS_NEW));
-        let written = fs::create_dir_all(dir).and_then(|()| {
-            let mut file = fs::File::create(&new)?;
-            file.write_all(&self.write())?;
-            file.sync_all()?;
-            fs::rename(&new, &path)
-        });
-        written.map_err(|e| {
-            let _ = fs::remove_file(&new);
-            Error::file(path, e)
-        })
-    }
-
-    /// The sums in a directory, or in a file.
-    ///
-    /// # Errors
-    /// What cannot be read, or is no file of sums.
-    pub fn load(path: &Path) -> Result<Self> {
-        let file = if path.is_dir() { path.join(SUMS) } else { path.to_path_buf() };
-        let bytes = fs::read(&file).map_err(|e| match e.kind() {
-            io::ErrorKind::NotFound if path.is_dir() => {
-                let reason = format!(
-                    "holds no {SUMS}; expected a directory that `shard`, `keep_sums` or an unfinished run left"
-                );
-                Error::input(path.display().to_string(), reason)
-            }
-            _ => Error::file(&file, e),
-        })?;
-        Self::read(&file.display().to_string(), &bytes)
+        assert!(watch.looks == 0 && watch.known.is_none() && measurement.standings().is_empty());
+        // What there is can be had all the same.
+        assert_eq!(measurement.analysis().map(|found| found.shape.realizations), Some(4));
     }
 }

@@ -6,6 +6,7 @@ mod envelope;
 mod estimates;
 mod job;
 mod measurement;
+mod parts;
 mod plan;
 mod ranges;
 mod sizes;

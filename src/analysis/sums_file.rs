@@ -13,7 +13,7 @@ use crate::accumulate::{Decoder, Encoder};
 use crate::compute::Device;
 use crate::error::{Error, Result};
 use crate::plan::{EnsembleShape, WaveList};
-use crate::points::{Boundary, Domain, Ensemble};
+use crate::points::{Domain, Ensemble};
 use crate::request::{Lists, Request, SETTINGS};
 use crate::setting::Setting;
 use crate::source::Points;
@@ -129,17 +129,6 @@ impl Measurement {
         out.value("duplicates", self.duplicates);
         out.value("warnings", self.warnings.clone());
         out.value("timings", self.clock.stages.iter().map(|(s, t)| json!([s, t])).collect::<Vec<_>>());
-        let domain = source.domain();
-        out.value("boundary", domain.boundary().name());
-        out.f64s("origin", domain.origin().iter().copied());
-        out.f64s("sides", domain.sides().iter().copied());
-        // Only where there are any: files of tori and of most windows stay as they were.
-        if domain.rests().iter().any(|&rest| rest != 0.0) {
-            out.f64s("rests", domain.rests().iter().copied());
-        }
-        if let Some(polygon) = domain.as_polygon() {
-            out.value("polygon", json!(polygon.parts()));
-        }
         let (edges, frequencies) = self.plan.lists.read();
         let mirrored = frequencies.map(|f| f.mirrored);
         let read = self.plan.lists_read();
@@ -171,23 +160,13 @@ impl Measurement {
     pub fn read(place: &str, bytes: &[u8]) -> Result<Self> {
         let mut from = Decoder::new(place, bytes)?;
         let request = read_request(&from)?;
-        let boundary: Boundary = from.read("boundary")?;
-        let sides = from.f64s("sides")?;
-        let rests = if from.has("rests") { from.f64s("rests")? } else { vec![0.0; sides.len()] };
-        let mut domain = Domain::from_numbers(boundary, from.f64s("origin")?, sides, rests)
-            .map_err(|e| from.error(e.to_string()))?;
-        if from.value("polygon").is_ok() {
-            let polygon = Domain::polygon(from.read("polygon")?).map_err(|e| from.error(e.to_string()))?;
-            if (polygon.boundary(), polygon.origin(), polygon.sides()) != (boundary, domain.origin(), domain.sides()) {
-                return Err(from.error("its polygon is not that of its window"));
-            }
-            domain = polygon;
-        }
+        let identity = from.value("identity")?.clone();
+        let domain: Domain =
+            serde_json::from_value(identity["domain"].clone()).map_err(|e| from.error(format!("its domain: {e}")))?;
         let [realizations, mean_points, max_points]: [u64; 3] = from.read("shape")?;
         let shape = EnsembleShape { realizations, mean_points: f64::from_bits(mean_points), max_points };
         let lists = read_lists(&from, &domain)?;
         let classes: Vec<String> = from.read("classes")?;
-        let identity = from.value("identity")?.clone();
         let plan = Plan::with(&request, &domain, shape, &classes, lists)?;
         // Those of a sampler are made anew.
         let source = match (&request.input.sampler, identity["points"]["sampler"].is_string()) {

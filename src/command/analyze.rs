@@ -14,7 +14,7 @@ use pairwave::source::{AllAxes, Points};
 use pairwave::survey::{self, Prefixes, Views};
 use pairwave::{Error, Result, Setting, check_threads, comparison, report, source};
 
-use super::batch::Batch;
+use super::batch::{self, Batch};
 use super::config;
 use super::progress::{Bar, Tell, stop_on_interrupt, unhurried, uninterrupted};
 use super::{print, tell};
@@ -134,7 +134,6 @@ impl Analyze {
                         bar.finish();
                         let sums = self.batch.keep_sums.then(|| measurement.write());
                         match self.conclude(found, out, sums.as_deref()) {
-                            // No room for pictures may be room for sums.
                             Err(error @ Error::File { .. }) => Ended::Failed(error),
                             done => return done,
                         }
@@ -166,13 +165,15 @@ impl Analyze {
             Some(name) => std::iter::once(name).chain(&input.params).map(String::as_str).collect::<Vec<_>>().join(","),
             None => input.files.first().map_or("points".into(), |file| file.display().to_string()),
         };
-        let mut dirs: Vec<PathBuf> = Vec::new();
+        let (mut dirs, mut notes): (Vec<PathBuf>, Vec<String>) = (Vec::new(), Vec::new());
         for (k, spec) in std::iter::once(first).chain(specs).enumerate() {
             let name = folder(&spec, |name| dirs.contains(&out.join(name)));
             dirs.push(out.join(name));
             let mut one = self.clone();
             if k > 0 {
                 one.request = comparison::beside(&self.request, &spec, &dirs[0])?;
+                let without = comparison::unmarked(&self.request, &one.request);
+                notes.extend(without.map(|without| format!("{}: {without}", dirs[k].display())));
             }
             config::keep_part(&one.words())?;
             if self.batch.is_whole(&dirs[k]) {
@@ -190,7 +191,8 @@ impl Analyze {
             one.run_with(control)?;
         }
         config::ask(asked);
-        let found = comparison::compare(&dirs, comparison::ALPHA)?;
+        let mut found = comparison::compare(&dirs, comparison::ALPHA)?;
+        found.notes.splice(0..0, notes);
         conclude(self.quiet, &found.notes, &found.text(), Some(&out), |out, asked| found.write(out, asked, force))
     }
 
@@ -206,12 +208,12 @@ impl Analyze {
 
     /// Writes and says what was found.
     fn conclude(&self, mut found: Analysis, out: Option<&Path>, sums: Option<&[u8]>) -> Result<()> {
-        let asked = config::asked();
-        found.parameters.push(("command".into(), asked.command.into()));
-        let force = self.force || self.batch.owns();
-        let beside = self.batch.beside(sums, asked.settings.as_deref());
-        let files = out.map(|out| uninterrupted(|| report::write_with(out, &found, beside, force))).transpose()?;
+        let files = out.map(|out| self.write(out, &mut found, sums)).transpose()?;
         say(&found, out.zip(files.as_deref()), self.quiet)
+    }
+
+    fn write(&self, out: &Path, found: &mut Analysis, sums: Option<&[u8]>) -> Result<Vec<PathBuf>> {
+        batch::write(out, found, sums, self.batch.npz, self.force || self.batch.owns())
     }
 
     /// Keeps what there is of a run that did not come to its end, or is to be merged.
@@ -229,18 +231,26 @@ impl Analyze {
             };
         };
         let written = match found(measurement).filter(|_| self.batch.shard.is_none() && measurement.is_even()) {
-            Some(mut found) => {
-                let asked = config::asked();
-                found.parameters.push(("command".into(), asked.command.into()));
-                let (sums, force) = (measurement.write(), self.force || self.batch.owns());
-                let beside = self.batch.beside(Some(&sums), asked.settings.as_deref());
-                uninterrupted(|| report::write_with(out, &found, beside, force)).map(drop)
-            }
+            Some(mut found) => match self.write(out, &mut found, Some(&measurement.write())) {
+                // No room for pictures may be room for sums.
+                Err(Error::File { .. }) => uninterrupted(|| measurement.save(out)),
+                written => written.map(drop),
+            },
             None => uninterrupted(|| measurement.save(out)),
         };
         let kept = match &written {
             Ok(()) => format!("{held} are kept in {}: the same command with `resume` goes on", out.display()),
-            Err(error) => format!("{held} could not be kept: {error}"),
+            Err(error) => {
+                // What was there before is there.
+                let last = Measurement::load(out).map(|last| {
+                    format!(
+                        "; {} of the last checkpoint are in {}: `resume` goes on with them",
+                        last.held(),
+                        out.display()
+                    )
+                });
+                format!("{held} could not be kept: {error}{}", last.unwrap_or_default())
+            }
         };
         match ended {
             Ended::Failed(error) => Err(Error::Unfinished { error: Box::new(error), kept }),

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
-use pairwave::analysis::{Job, Measurement, Target};
+use pairwave::analysis::{Analysis, Job, Measurement, Target};
 use pairwave::compute::Device;
 use pairwave::report::Beside;
 use pairwave::{Error, Result, Setting, report};
 
-use super::progress::Tell;
+use super::config;
+use super::progress::{Tell, uninterrupted};
 
 #[derive(Clone, clap::Args)]
 pub(crate) struct Batch {
@@ -74,7 +75,21 @@ pub(crate) struct Batch {
     /// Write all numbers into one file too, results.npz in --out, beside the tables and arrays: numpy reads the columns of tables as
     /// pcf/g, the arrays as spectrum
     #[arg(long, help_heading = "Output", hide_short_help = true, requires = "out")]
+    pub(crate) npz: bool,
+}
+
+/// Writes a result with the line that was typed, the settings that came of it, and what else is to stand beside it.
+pub(crate) fn write(
+    out: &Path,
+    found: &mut Analysis,
+    sums: Option<&[u8]>,
     npz: bool,
+    force: bool,
+) -> Result<Vec<PathBuf>> {
+    let asked = config::asked();
+    found.parameters.push(("command".into(), asked.command.into()));
+    let beside = Beside { sums, settings: asked.settings.as_deref(), npz };
+    uninterrupted(|| report::write_with(out, found, beside, force))
 }
 
 /// `3/20`
@@ -141,11 +156,6 @@ impl Batch {
     /// Whether there is nothing left to go on with in `out`.
     pub(crate) fn is_whole(&self, out: &Path) -> bool {
         self.resume && out.join("summary.json").exists() && !out.join(report::SUMS).exists()
-    }
-
-    /// What is written beside the result.
-    pub(crate) fn beside<'a>(&self, sums: Option<&'a [u8]>, settings: Option<&'a str>) -> Beside<'a> {
-        Beside { sums, settings, npz: self.npz }
     }
 
     /// Whether the run may write into `out`, asked before the long work.

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use clap::error::ContextKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use pairwave::report::Asked;
@@ -56,8 +56,8 @@ pub(crate) struct Config {
     path: PathBuf,
     text: String,
     settings: Vec<(toml::Spanned<String>, Value)>,
-    /// Those that became arguments.
-    used: Vec<String>,
+    /// Those that became arguments, and these.
+    used: Vec<(String, Vec<OsString>)>,
 }
 
 type Entries = std::collections::BTreeMap<toml::Spanned<String>, Value>;
@@ -93,9 +93,28 @@ impl Config {
     /// Where a flag of it is set: `run.toml:3`.
     pub(crate) fn place(&self, flag: &str) -> Option<String> {
         let name = flag.trim_start_matches('-').split(['=', ' ']).next()?;
-        let used = |key: &str| dashed(key) == name && self.used.iter().any(|used| used == key);
-        let (key, _) = self.settings.iter().find(|(key, _)| used(key.get_ref()))?;
+        let (key, _) = self.used.iter().find(|(key, _)| dashed(key) == name)?;
+        self.place_of(key)
+    }
+
+    /// Where a key stands.
+    fn place_of(&self, key: &str) -> Option<String> {
+        let (key, _) = self.settings.iter().find(|(other, _)| other.get_ref() == key)?;
         Some(format!("{}:{}", self.path.display(), line(&self.text, key.span().start)))
+    }
+
+    /// The keys that need what is missing, each with what it needs: by themselves they lack it too, and the command without them does not.
+    fn needs(&self, missing: &[String], name: &str, command: &mut Command) -> Vec<(String, String)> {
+        let mut lacking = |words: &[OsString]| {
+            let words = [OsString::from("pairwave"), name.into()].into_iter().chain(words.iter().cloned());
+            command.try_get_matches_from_mut(words).map_or_else(|error| lacks(&error), |_| Vec::new())
+        };
+        let always = lacking(&[]);
+        let needed = |(key, words): &(String, Vec<OsString>)| {
+            let flag = lacking(words).into_iter().find(|flag| missing.contains(flag) && !always.contains(flag));
+            flag.map(|flag| (key.clone(), flag))
+        };
+        self.used.iter().filter_map(needed).collect()
     }
 
     /// Its settings as arguments of a command, but those that are typed or cannot be given with what is.
@@ -121,8 +140,9 @@ impl Config {
                 continue;
             }
             let words = words(arg, value).map_err(|reason| self.fault(key, reason))?;
-            arguments.extend(words.into_iter().map(OsString::from));
-            used.push(key.get_ref().clone());
+            let words: Vec<OsString> = words.into_iter().map(OsString::from).collect();
+            arguments.extend(words.iter().cloned());
+            used.push((key.get_ref().clone(), words));
         }
         self.used = used;
         Ok(arguments)
@@ -148,10 +168,10 @@ fn with_scan(words: &mut Vec<OsString>, command: &Command) -> Result<()> {
     };
     let files: Vec<&PathBuf> = typed.get_many("files").into_iter().flatten().collect();
     let [path] = files.as_slice() else { return Ok(()) };
-    let Some(scan) = Scan::read(path)? else { return Ok(()) };
+    let Some(settings) = Scan::settings_in(path)? else { return Ok(()) };
     let given = |row: &Row| typed.value_source(row.setting.name()) == Some(ValueSource::CommandLine);
-    let of_scan =
-        scan.settings().filter_map(|(setting, value)| Some((setting.row()?, value))).filter(|(row, _)| !given(row));
+    let rows = settings.into_iter().filter_map(|(setting, value)| Some((setting.row()?, value)));
+    let of_scan = rows.filter(|(row, _)| !given(row));
     let arguments = of_scan.map(|(row, value)| match row.is_switch() {
         true => row.flag.into(),
         false => format!("{}={value}", row.flag).into(),
@@ -195,9 +215,22 @@ fn with_config(mut typed: Vec<OsString>, command: &Command) -> Result<(Vec<OsStr
     Ok((typed, Some(config)))
 }
 
+/// The arguments that are missing, as `--out <DIR>`.
+fn lacks(error: &clap::Error) -> Vec<String> {
+    match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::MissingRequiredArgument, Some(ContextValue::Strings(missing))) => missing.clone(),
+        _ => Vec::new(),
+    }
+}
+
 /// Ends with what is wrong with the arguments, and where the file sets what is.
-pub(crate) fn exit(error: &clap::Error, config: Option<&Config>) -> ! {
+pub(crate) fn exit(error: &clap::Error, config: Option<&Config>, typed: &[OsString], command: &mut Command) -> ! {
     let _ = error.print();
+    let (missing, name) = (lacks(error), typed.get(1).map(|name| name.to_string_lossy()).unwrap_or_default());
+    for (key, needed) in config.iter().flat_map(|config| config.needs(&missing, &name, command)) {
+        let place = config.and_then(|config| config.place_of(&key)).unwrap_or_default();
+        super::tell(&format!("{key} is set in {place}, and needs {needed}: type it, or set it there too"));
+    }
     let wrong = error.get(ContextKind::InvalidArg).map(|value| value.to_string());
     if let Some((place, wrong)) = wrong.and_then(|wrong| Some((config?.place(&wrong)?, wrong))) {
         super::tell(&format!("{wrong} is set in {place}"));

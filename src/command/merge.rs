@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use pairwave::analysis::Measurement;
-use pairwave::report::Beside;
 use pairwave::{Error, Result, Setting, report};
 
 use super::analyze::say;
-use super::config;
-use super::progress::{stop_on_interrupt, uninterrupted};
+use super::batch;
+use super::progress::stop_on_interrupt;
 
 #[derive(clap::Args)]
 pub(crate) struct Merge {
@@ -66,11 +65,8 @@ impl Merge {
         }
         let nothing = || Error::input(first.display().to_string(), "holds no realizations");
         let mut found = whole.analysis().ok_or_else(nothing)?;
-        let asked = config::asked();
-        found.parameters.push(("command".into(), asked.command.into()));
         let sums = self.keep_sums.then(|| whole.write());
-        let beside = Beside { sums: sums.as_deref(), settings: asked.settings.as_deref(), npz: self.npz };
-        let files = uninterrupted(|| report::write_with(&self.out, &found, beside, self.force))?;
+        let files = batch::write(&self.out, &mut found, sums.as_deref(), self.npz, self.force)?;
         say(&found, Some((&self.out, &files)), self.quiet)
     }
 }

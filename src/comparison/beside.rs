@@ -18,6 +18,17 @@ pub fn check_beside(request: &Request, spec: &str) -> Result<()> {
     sampler(request, spec).map(drop)
 }
 
+/// What marks the points of a request and is left out beside a sampler, whose points have none, in words; nothing where nothing is.
+pub fn unmarked(request: &Request, beside: &Request) -> Option<String> {
+    let marks = [Setting::WeightColumn, Setting::IntensityColumn, Setting::ClassColumn, Setting::Classes];
+    let rows = marks.into_iter().filter_map(Setting::row);
+    let lost = rows.filter(|row| row.is_given(request) && !row.is_given(beside));
+    let words: Vec<String> =
+        lost.map(|row| format!("{} {}", row.setting.mention(), request.value(row.setting))).collect();
+    let name = beside.input.sampler.as_deref().unwrap_or_default();
+    (!words.is_empty()).then(|| format!("measured without {}: points of {name} have none", words.join(" and ")))
+}
+
 /// The sampler that a specification names with its parameters; none where it is files.
 fn sampler<'a>(request: &Request, spec: &'a str) -> Result<Option<(&'static str, Vec<&'a str>)>> {
     if Path::new(spec).exists() || spec.contains(['*', '/', '\\']) {

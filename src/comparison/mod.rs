@@ -5,13 +5,15 @@
 //! error across K realizations has K - 1, one of theory has infinitely many. Rows are many and depend on each other, so p is corrected by Holm's
 //! (1979) step-down rule, which holds under any dependence: within each column of values, then over columns and results by their smallest.
 
+mod axis;
 mod beside;
+mod page;
 mod text;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-pub use beside::{beside, check_beside};
+pub use beside::{beside, check_beside, unmarked};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -75,10 +77,16 @@ pub struct Difference {
     pub figure: String,
     /// What tells the row from others.
     pub place: String,
+    /// The distance, frequency or direction of the row, as its table has it; none of what is along no axis.
+    pub x: Option<f64>,
+    /// What tells its curve from others in a figure, `axis = x`; empty where there is one.
+    pub curve: String,
     /// The values with their errors, of the first and the other result.
     pub values: [(f64, f64); 2],
     /// The other less the first, in standard errors of the difference.
     pub z: f64,
+    /// Degrees of freedom of its error; infinite for errors of theory.
+    pub degrees: f64,
     /// Probability of one as large where both are alike.
     pub p: f64,
     /// Corrected for the rows of its column.
@@ -174,6 +182,8 @@ impl Comparison {
                 alone[1]
             ));
         }
+        let axis = axis::of(stem);
+        let (along, curves) = (axis.places(measured, both[0])?, axis.curves(&a, both[0].len()));
         let others = measured.columns(&b);
         for column in measured.columns(&a) {
             let Some(other) = others.iter().find(|other| other.name == column.name) else { continue };
@@ -189,13 +199,16 @@ impl Comparison {
                 );
                 let [x, y] = found;
                 let (Some((x, Some(x_se))), Some((y, Some(y_se)))) = (x?, y?) else { continue };
-                let (z, p) = difference([(x, x_se), (y, y_se)], freedom, scale);
+                let Tested { z, degrees, p } = difference([(x, x_se), (y, y_se)], freedom, scale);
                 self.values.push(Difference {
                     with,
                     figure: figure.clone(),
                     place: keys[0][i].1.clone(),
+                    x: along[i],
+                    curve: curves[i].clone(),
                     values: [(x, x_se), (y, y_se)],
                     z,
+                    degrees,
                     p,
                     p_adjusted: 1.0,
                 });
@@ -245,7 +258,7 @@ impl Comparison {
     /// As `report::write`.
     pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
         let dirs: Vec<PathBuf> = self.results.iter().map(PathBuf::from).collect();
-        let page = report::Plot::page_with(&dirs, &dir.join(report::PAGE), |page| self.sections(page))?;
+        let page = report::Plot::page_with(&dirs, &dir.join(report::PAGE), self)?;
         let own = serde_json::json!({ "comparison": self });
         report::write_files(dir, force, asked, &self.notes, own, |files| {
             let table = self.table().csv();
@@ -298,14 +311,52 @@ fn shorter(cell: &str) -> String {
     }
 }
 
+/// A difference in standard errors, their degrees of freedom, and its p.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Tested {
+    z: f64,
+    degrees: f64,
+    p: f64,
+}
+
+/// The law of a difference in standard errors where there is none: Student's, or the normal one of errors of theory.
+enum Law {
+    Student(StudentsT),
+    Normal(Normal),
+}
+
+impl Law {
+    fn of(degrees: f64) -> Self {
+        let student = StudentsT::new(0.0, 1.0, degrees).ok().filter(|_| degrees.is_finite());
+        student.map_or_else(|| Self::Normal(Normal::standard()), Self::Student)
+    }
+}
+
+/// Probability of a difference of z standard errors, or a larger one, where there is none.
+fn probability(z: f64, degrees: f64) -> f64 {
+    let tail = match Law::of(degrees) {
+        Law::Student(law) => law.cdf(-z.abs()),
+        Law::Normal(law) => law.cdf(-z.abs()),
+    };
+    if z.is_finite() { (2.0 * tail).min(1.0) } else { 0.0 }
+}
+
+/// The standard errors whose probability is this.
+fn critical(p: f64, degrees: f64) -> f64 {
+    match Law::of(degrees) {
+        Law::Student(law) => -law.inverse_cdf(0.5 * p),
+        Law::Normal(law) => -law.inverse_cdf(0.5 * p),
+    }
+}
+
 /// The difference of two values in standard errors, and its p. What is no more than rounding is none.
-fn difference([(a, a_se), (b, b_se)]: [(f64, f64); 2], freedom: [f64; 2], scale: f64) -> (f64, f64) {
+fn difference([(a, a_se), (b, b_se)]: [(f64, f64); 2], freedom: [f64; 2], scale: f64) -> Tested {
     /// Of the values of a column: how well two ways of computing them agree, P by `accuracy` fast of uniform points.
     const ROUNDING: f64 = 1e-5;
     // Errors that are rounding of values which are all alike.
     let [a_se, b_se] = [(a, a_se), (b, b_se)].map(|(x, se)| if se <= 1e-12 * x.abs().max(scale) { 0.0 } else { se });
     if a == b || a_se == 0.0 && b_se == 0.0 && (b - a).abs() <= ROUNDING * scale {
-        return (0.0, 1.0);
+        return Tested { z: 0.0, degrees: freedom[0].min(freedom[1]), p: 1.0 };
     }
     // Values that are all alike say little of how they vary: where nothing was counted, something might have been.
     let ([a_se, b_se], of_one) = match (a_se > 0.0, b_se > 0.0) {
@@ -317,11 +368,7 @@ fn difference([(a, a_se), (b, b_se)]: [(f64, f64); 2], freedom: [f64; 2], scale:
     let z = (b - a) / (a2 + b2).sqrt();
     let welch = || (a2 + b2) * (a2 + b2) / (a2 * a2 / freedom[0] + b2 * b2 / freedom[1]);
     let degrees = of_one.unwrap_or_else(welch);
-    let tail = |z: f64| match StudentsT::new(0.0, 1.0, degrees).ok().filter(|_| degrees.is_finite()) {
-        Some(t) => t.cdf(-z.abs()),
-        None => Normal::standard().cdf(-z.abs()),
-    };
-    (z, if z.is_finite() { (2.0 * tail(z)).min(1.0) } else { 0.0 })
+    Tested { z, degrees, p: probability(z, degrees) }
 }
 
 /// p-values corrected for their number by Holm's step-down rule.
@@ -343,24 +390,40 @@ mod tests {
     #[test]
     fn p_is_that_of_welch_and_holm() {
         // Welch's test of means 20.6 and 22.1 with variances of the means 0.5 and 0.4 and 14 and 9 degrees: t = 1.5811, 23.0 degrees.
-        let (z, p) = difference([(20.6, 0.5f64.sqrt()), (22.1, 0.4f64.sqrt())], [14.0, 9.0], 0.0);
+        let Tested { z, p, .. } = difference([(20.6, 0.5f64.sqrt()), (22.1, 0.4f64.sqrt())], [14.0, 9.0], 0.0);
         assert!((z - 1.581_139).abs() < 1e-5, "{z}");
         let degrees = 0.81 / (0.25 / 14.0 + 0.16 / 9.0);
         let exact = 2.0 * StudentsT::new(0.0, 1.0, degrees).unwrap().cdf(-1.581_138_830_084_19);
         assert!((p - exact).abs() < 1e-9, "{p} {exact}");
         // Errors of theory: normal.
-        let (_, p) = difference([(0.0, 0.6), (1.959_963_985, 0.8)], [f64::INFINITY; 2], 0.0);
+        let Tested { p, .. } = difference([(0.0, 0.6), (1.959_963_985, 0.8)], [f64::INFINITY; 2], 0.0);
         assert!((p - 0.05).abs() < 1e-8, "{p}");
         // One error stands for both, with the degrees of freedom that it has; rounding is no difference.
-        let (z, p) = difference([(1.0, 0.0), (2.0, 0.3)], [99.0, 3.0], 0.0);
+        let Tested { z, p, .. } = difference([(1.0, 0.0), (2.0, 0.3)], [99.0, 3.0], 0.0);
         let exact = 2.0 * StudentsT::new(0.0, 1.0, 3.0).unwrap().cdf(-z);
         assert!((z - 2.357_022_603).abs() < 1e-8 && (p - exact).abs() < 1e-12, "{z} {p}");
-        assert_eq!(difference([(0.485, 0.0), (0.485 + 1e-9, 1e-18)], [3.0; 2], 1.0), (0.0, 1.0));
-        assert_eq!(difference([(1.0, 0.0), (1.0, 0.0)], [9.0; 2], 0.0), (0.0, 1.0));
-        assert_eq!(difference([(1.0, 0.0), (2.0, 0.0)], [9.0; 2], 0.0), (f64::INFINITY, 0.0));
-        let (z, _) = difference([(0.0, 0.0), (2.0, 1.0)], [9.0; 2], 0.0);
+        let zp = |both, freedom, scale| {
+            let found = difference(both, freedom, scale);
+            (found.z, found.p)
+        };
+        assert_eq!(zp([(0.485, 0.0), (0.485 + 1e-9, 1e-18)], [3.0; 2], 1.0), (0.0, 1.0));
+        assert_eq!(zp([(1.0, 0.0), (1.0, 0.0)], [9.0; 2], 0.0), (0.0, 1.0));
+        assert_eq!(zp([(1.0, 0.0), (2.0, 0.0)], [9.0; 2], 0.0), (f64::INFINITY, 0.0));
+        let Tested { z, .. } = difference([(0.0, 0.0), (2.0, 1.0)], [9.0; 2], 0.0);
         assert!((z - 2.0f64.sqrt()).abs() < 1e-15, "{z}");
         assert_eq!(holm(&[0.01, 0.04, 0.03, 0.005]), [0.03, 0.06, 0.06, 0.02]);
         assert_eq!(holm(&[0.5, 0.6]), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn critical_values_are_those_whose_p_is_the_level() {
+        assert!((critical(0.05, f64::INFINITY) - 1.959_963_985).abs() < 1e-8);
+        // Tables of Student's law.
+        assert!((critical(0.05, 10.0) - 2.228_139).abs() < 1e-5 && (critical(0.01, 4.0) - 4.604_095).abs() < 1e-5);
+        for degrees in [3.0, 17.3, 118.7, f64::INFINITY] {
+            for p in [0.05, 1e-4, 1e-7] {
+                assert!((probability(critical(p, degrees), degrees) / p - 1.0).abs() < 1e-6, "{degrees} {p}");
+            }
+        }
     }
 }

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{Compared, Comparison, Difference};
-use crate::display::{escape, human};
-use crate::report::Page;
+use super::{Compared, Comparison};
+use crate::display::human;
 
 impl Comparison {
     /// Everything but single values, as JSON.
@@ -43,59 +42,9 @@ impl Comparison {
     }
 }
 
-impl Comparison {
-    /// The sections of a page: each column of values, and the values that differ most.
-    pub(super) fn sections(&self, page: &mut Page) {
-        /// Values that are shown.
-        const MOST: usize = 100;
-        page.section("Differences");
-        let level = human(self.alpha);
-        page.paragraph(&match self.differ {
-            true => format!("They differ: the smallest <i>p</i>, corrected for everything that was compared, is at most {level}."),
-            false => format!("No difference beyond chance: every <i>p</i>, corrected for everything that was compared, is above {level}."),
-        });
-        page.paragraph(
-            "A difference is the other value less the first, over the root of the sum of both squared standard errors; <i>p</i> by Student's law \
-             with Welch's degrees of freedom, corrected by Holm's rule for the rows of a column, and for all columns.",
-        );
-        if !self.notes.is_empty() {
-            page.warnings(&self.notes);
-        }
-        let header =
-            ["result", "figure", "rows", "largest difference", "standard errors", "<i>p</i>", "<i>p</i> of all"];
-        let row = |column: &Compared| {
-            let cells = column.cells().map(|cell| escape(&cell));
-            std::iter::once(escape(&self.results[column.with])).chain(cells).collect()
-        };
-        let rows: Vec<Vec<String>> = self.columns.iter().map(row).collect();
-        page.table("Columns of values", &header.map(String::from), &rows);
-        let mut largest: Vec<&Difference> = self.values.iter().filter(|value| value.z != 0.0).collect();
-        largest.sort_by(|a, b| a.p_adjusted.total_cmp(&b.p_adjusted).then(a.p.total_cmp(&b.p)));
-        largest.truncate(MOST);
-        let header = ["result", "figure", "place", "first", "other", "standard errors", "<i>p</i> of the column"];
-        let row = |value: &&Difference| {
-            let [a, b] = value.values.map(|(x, se)| format!("{} ± {}", human(x), human(se)));
-            let z = format!("{:.1}", value.z);
-            [
-                self.results[value.with].clone(),
-                value.figure.clone(),
-                value.place.clone(),
-                a,
-                b,
-                z,
-                human(value.p_adjusted),
-            ]
-            .map(|cell| escape(&cell))
-            .to_vec()
-        };
-        let rows: Vec<Vec<String>> = largest.iter().map(row).collect();
-        let heading = format!("The {} values that differ most; all are in comparison.csv", rows.len());
-        page.folded(&heading, |page| page.table("Values that differ most", &header.map(String::from), &rows));
-    }
-}
-
 impl Compared {
-    fn cells(&self) -> [String; 6] {
+    /// Its cells in a table: figure, rows, the largest difference in words and in standard errors, p, p of all.
+    pub(super) fn cells(&self) -> [String; 6] {
         let [a, b] = self.values.map(human);
         let largest = if self.z == 0.0 { "none".into() } else { format!("{a} and {b} at {}", self.place) };
         [

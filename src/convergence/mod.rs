@@ -24,7 +24,7 @@ use crate::report::{self, Asked};
 use crate::request::{Request, Statistic};
 use crate::samplers::{Entry, ParameterValues, Process, find_with_parameters};
 use crate::setting::Setting;
-use crate::source::{AllAxes, Points};
+use crate::source::{AllAxes, Points, refuse_marks, scanned};
 use crate::survey::Prefixes;
 
 /// What the points are.
@@ -388,6 +388,16 @@ fn files(groups: &[PathBuf], request: &Request, control: &Control, warnings: &mu
     for group in groups {
         let mut input = request.input.clone();
         (input.files, input.sampler) = (vec![group.clone()], None);
+        let typed = input.clone();
+        input = scanned(input)?;
+        // Integrals are planned by what is typed; a scan may be of more.
+        if input != typed {
+            let reason = format!(
+                "{} was made with it, and convergence is measured without; expected the files themselves, or a scan without it",
+                group.display()
+            );
+            refuse_marks(&input, &reason)?;
+        }
         let points = Points::open_with(&input, control)?;
         points.warnings().iter().for_each(|warning| warnings.push(format!("{}: {warning}", group.display())));
         opened.push((group, points.shape().mean_points, points.domain().dim(), input));

@@ -50,23 +50,60 @@ impl std::fmt::Display for Domain {
 
 /// An axis-aligned box in 1, 2 or 3 dimensions. Torus: `[origin, origin + side)`; window: closed on both ends. Or a window that is a
 /// polygon, in its bounding box.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(into = "Stored", try_from = "Stored")]
 pub struct Domain {
     boundary: Boundary,
     origin: Vec<f64>,
     sides: Vec<f64>,
     /// What f64 drops of the sides of a window, the differences of its corners: no more than half of the last place. What is
     /// at the upper corner is at the sum.
-    #[serde(skip)]
     rests: Vec<f64>,
     /// What of the box is the window, if not all of it.
-    #[serde(serialize_with = "parts_of", skip_serializing_if = "Option::is_none")]
     polygon: Option<Arc<Polygon>>,
 }
 
-/// A polygon as its rings, part by part.
-fn parts_of<S: serde::Serializer>(polygon: &Option<Arc<Polygon>>, serializer: S) -> Result<S::Ok, S::Error> {
-    serde::Serialize::serialize(&polygon.as_ref().map(|p| p.parts()), serializer)
+/// A domain as files have it, to the last bit.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Stored {
+    boundary: Boundary,
+    origin: Vec<f64>,
+    sides: Vec<f64>,
+    /// None where all are 0, as those of tori and of most windows are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    rests: Vec<f64>,
+    /// Its rings, part by part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    polygon: Option<Vec<Vec<Ring>>>,
+}
+
+impl From<Domain> for Stored {
+    fn from(domain: Domain) -> Self {
+        let Domain { boundary, origin, sides, mut rests, polygon } = domain;
+        if rests.iter().all(|&rest| rest == 0.0) {
+            rests.clear();
+        }
+        Self { boundary, origin, sides, rests, polygon: polygon.map(|polygon| polygon.parts().to_vec()) }
+    }
+}
+
+impl TryFrom<Stored> for Domain {
+    type Error = Error;
+
+    fn try_from(stored: Stored) -> Result<Self> {
+        let Stored { boundary, origin, sides, mut rests, polygon } = stored;
+        if rests.is_empty() {
+            rests = vec![0.0; sides.len()];
+        }
+        let domain = Self::from_numbers(boundary, origin, sides, rests)?;
+        let Some(parts) = polygon else { return Ok(domain) };
+        let polygon = Self::polygon(parts)?;
+        let box_of = |domain: &Self| (domain.boundary, domain.origin.clone(), domain.sides.clone());
+        match box_of(&polygon) == box_of(&domain) {
+            true => Ok(polygon),
+            false => Err(Error::input("domain", "has a polygon that is not that of its window")),
+        }
+    }
 }
 
 impl Domain {
@@ -182,7 +219,7 @@ impl Domain {
         Ok(Self { boundary, origin, sides, rests, polygon: None })
     }
 
-    /// What `boundary`, `origin`, `sides` and `rests` of another domain say.
+    /// By its corner, its sides and their rests.
     pub(crate) fn from_numbers(boundary: Boundary, origin: Vec<f64>, sides: Vec<f64>, rests: Vec<f64>) -> Result<Self> {
         if origin.len() != sides.len() || rests.len() != sides.len() {
             return Err(Error::input("domain", "has another number of corners than of sides"));

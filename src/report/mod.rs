@@ -24,11 +24,11 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub(crate) use columns::Columns;
+pub(crate) use columns::{Columns, Place};
 pub use headline::headline;
-pub(crate) use html::{Numbers, Page};
+pub(crate) use html::{Curve, Curves, Numbers, Page, Values};
 pub use integrand_picture::draw_integrands;
-pub(crate) use plot::Stored;
+pub(crate) use plot::{Additions, Seen, Stored};
 pub use plot::{Format, Plot, Plotted};
 pub(crate) use png::encode as png;
 pub(crate) use result_dir::Files;

@@ -5,7 +5,8 @@ use serde::{Serialize, Serializer};
 use super::outputs::sections;
 use crate::estimate::Analysis;
 use crate::plan::PowerBound;
-use crate::points::Domain;
+use crate::points::Boundary;
+use crate::points::polygon::{Polygon, Ring};
 use crate::statistics::Keys;
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
@@ -20,8 +21,11 @@ struct Sizes {
 
 #[derive(Serialize)]
 struct DomainOut<'a> {
-    #[serde(flatten)]
-    domain: &'a Domain,
+    boundary: Boundary,
+    origin: &'a [f64],
+    sides: &'a [f64],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    polygon: Option<&'a [Vec<Ring>]>,
     measure: f64,
     /// For the mean number of points, in length units.
     closest_packing_distance: f64,
@@ -68,7 +72,10 @@ pub(super) fn json(a: &Analysis, files: Vec<&'static str>) -> serde_json::Result
     keys.add("k", &a.shape.realizations)?;
     keys.add("d", &a.domain.dim())?;
     let domain = DomainOut {
-        domain: &a.domain,
+        boundary: a.domain.boundary(),
+        origin: a.domain.origin(),
+        sides: a.domain.sides(),
+        polygon: a.domain.as_polygon().map(Polygon::parts),
         measure: a.domain.measure(),
         closest_packing_distance: a.domain.closest_packing_distance(a.shape.mean_points),
     };

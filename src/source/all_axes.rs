@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::remarks::Remarks;
+use super::scan::{Remarked, Scan};
 use super::{Points, columns};
 use crate::control::Control;
 use crate::error::{Error, Result, number, numbers};
@@ -38,22 +39,18 @@ impl AllAxes {
     /// # Errors
     /// As `Points::open`; weights, classes and polygons, which are not measured so.
     pub fn open(request: &PointsRequest, memory: Memory, control: &Control) -> Result<Self> {
-        let refused = [
-            (Setting::WeightColumn, &request.weight_column),
-            (Setting::IntensityColumn, &request.intensity_column),
-            (Setting::Inhomogeneous, &request.inhomogeneous),
-            (Setting::ClassColumn, &request.class_column),
-            (Setting::WindowPolygon, &request.window_polygon.as_ref().map(|path| path.display().to_string())),
-        ];
-        for (setting, value) in refused {
-            if let Some(value) = value {
-                let reason = "is not there where pairs of axes or prefixes are measured (`projections`, `prefixes`)";
-                return Err(Error::setting(setting, value, reason));
-            }
-        }
+        let scan = Scan::in_place_of(&request.files)?;
+        let instead = match scan {
+            Some(_) => "; expected the files themselves, or a scan that was made without it",
+            None => "",
+        };
+        let (scanned, remarked) = scan.map(|(path, scan)| scan.of_its_files(path, request)).transpose()?.unzip();
+        let request = scanned.as_ref().unwrap_or(request);
+        let reason = "is not there where pairs of axes or prefixes are measured (`projections`, `prefixes`)";
+        refuse_marks(request, &format!("{reason}{instead}"))?;
         match &request.sampler {
             Some(name) => Self::sampled(name, request, memory, control),
-            None => Self::read(request, memory, control),
+            None => Self::read(request, remarked, memory, control),
         }
     }
 
@@ -94,12 +91,13 @@ impl AllAxes {
         })
     }
 
-    fn read(request: &PointsRequest, memory: Memory, control: &Control) -> Result<Self> {
+    /// `remarked` is what is known of files that were scanned.
+    fn read(request: &PointsRequest, remarked: Option<Remarked>, memory: Memory, control: &Control) -> Result<Self> {
         refuse_settings_of_samplers(request)?;
         if request.files.is_empty() {
             return Err(Error::setting(Setting::Files, "(none)", "expected point files, or `sampler` NAME `points` N"));
         }
-        let columns = columns(request, true)?;
+        let columns = columns(request, remarked.is_none())?;
         let dim = request.sides.as_ref().map(Vec::len).or(request.window.as_ref().map(|w| w.len() / 2));
         let options = ReadOptions { dim, raw: request.raw };
         let (mut sets, mut numbers, mut seen) = (Vec::new(), 0.0, Remarks::default());
@@ -134,16 +132,21 @@ impl AllAxes {
         let (origin, sides, is_torus) = place;
         let names: Vec<_> = request.files.iter().map(|f| f.display().to_string()).collect();
         let more = if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() };
-        let warnings = seen.all();
+        let subject = format!("{}{more}", names.first().map_or("", String::as_str));
+        let (subject, input, warnings) = match remarked {
+            // Files that were left out, and the like, were remarked when they were scanned.
+            Some(of) => (of.subject, of.input, of.warnings),
+            None => (subject, Some(seen.input.clone()), seen.all()),
+        };
         Ok(Self {
-            subject: format!("{}{more}", names.first().map_or("", String::as_str)),
+            subject,
             sets: Arc::new(sets),
             dim,
             origin,
             sides,
             is_torus,
             wrap: request.wrap,
-            input: Some(seen.input),
+            input,
             warnings,
             is_sequence: None,
         })
@@ -259,6 +262,21 @@ impl AllAxes {
             Ensemble::from_owned(some, &kept, wrap, range.start)
         };
         Ok(Points::drawn(&self.subject, domain, EnsembleShape::of(&sizes), Box::new(draw)))
+    }
+}
+
+/// What only some measurements have a use for is refused by the others, with a reason.
+pub(crate) fn refuse_marks(request: &PointsRequest, reason: &str) -> Result<()> {
+    let refused = [
+        (Setting::WeightColumn, &request.weight_column),
+        (Setting::IntensityColumn, &request.intensity_column),
+        (Setting::Inhomogeneous, &request.inhomogeneous),
+        (Setting::ClassColumn, &request.class_column),
+        (Setting::WindowPolygon, &request.window_polygon.as_ref().map(|path| path.display().to_string())),
+    ];
+    match refused.into_iter().find_map(|(setting, value)| Some((setting, value.as_ref()?))) {
+        Some((setting, value)) => Err(Error::setting(setting, value, reason)),
+        None => Ok(()),
     }
 }
 

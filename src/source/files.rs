@@ -49,15 +49,7 @@ impl Files {
         let mut sets = Vec::new();
         for (k, (first, file)) in self.files.iter().enumerate().skip(at).take_while(|(_, f)| f.0 < range.end) {
             control.check()?;
-            if let Some(then) =
-                self.stamps.get(k).filter(|then| Stamp::of(file.path()).as_ref().is_ok_and(|now| now != *then))
-            {
-                let reason = format!(
-                    "is not the file that was scanned, of {} bytes; expected it as it was, or a new scan",
-                    then.bytes
-                );
-                return Err(Error::input(file.path().display().to_string(), reason));
-            }
+            self.stamps.get(k).map_or(Ok(()), |then| then.check(file.path()))?;
             let end = self.files.get(k + 1).map_or(range.end, |next| next.0).min(range.end);
             let within = range.start.max(*first) - first..end - first;
             match file {

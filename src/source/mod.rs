@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
 
 pub use all_axes::AllAxes;
+pub(crate) use all_axes::refuse_marks;
 use files::Files;
 use first_pass::FirstPass;
 use intensity::Intensity;
@@ -436,6 +437,11 @@ impl Points {
         identity["digest"] = json!(format!("{digest:032x}"));
         // What is relative to the largest of all changes with more of them.
         ["weights", "intensities"].iter().all(|marks| identity[marks].is_null()).then_some(identity)
+    }
+
+    /// Whether they are in files that were scanned elsewhere: of the first of them alone nothing is known.
+    pub(crate) fn is_scanned(&self) -> bool {
+        matches!(&self.kind, Kind::Files(files) if !files.stamps.is_empty())
     }
 
     /// What this is, in words.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::UNIX_EPOCH;
@@ -17,31 +17,35 @@ use super::{Kind, Points, columns, dim_of_flags};
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::estimate::Inhomogeneity;
-use crate::points::polygon::Ring;
-use crate::points::read::{Input, PointFile, ReadOptions};
-use crate::points::{Boundary, Domain, EnsembleShape};
+use crate::points::read::{Input, PointFile, ReadOptions, SCAN};
+use crate::points::{Domain, EnsembleShape};
 use crate::request::{Group, PointsRequest, Request, Row, SETTINGS, refuse_settings_of_samplers};
 use crate::setting::Setting;
-
-/// How a file of this kind begins.
-const START: &str = "{\"pairwave_scan\":";
 
 /// Of the form of the file.
 const VERSION: u32 = 1;
 
 /// What a look at all files of a batch finds: how many realizations and points each has, the domain, classes, the scale of weights, what is remarked.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Scan {
+    head: Head,
+    body: Body,
+}
+
+/// The first line of the file, by which it is known what it is of before all of it is read.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Head {
     pairwave_scan: u32,
     program: String,
-    /// How they were read: the settings, as they are typed.
+    /// How the files were read: the settings, as they are typed.
     settings: BTreeMap<String, String>,
+}
+
+/// The second line.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Body {
     subject: String,
-    boundary: Boundary,
-    origin: Vec<f64>,
-    sides: Vec<f64>,
-    rests: Vec<f64>,
-    polygon: Option<Vec<Vec<Ring>>>,
+    domain: Domain,
     /// Realizations, and points of each, in runs of equally many.
     sizes: Vec<[u64; 2]>,
     identity: Value,
@@ -118,17 +122,14 @@ impl Scan {
             }
             Ok(Scanned { first: *first, stamp, path })
         });
-        let domain = &points.domain;
-        Ok(Self {
+        let head = Head {
             pairwave_scan: VERSION,
             program: concat!("pairwave ", env!("CARGO_PKG_VERSION")).into(),
             settings: given.map(|row| (row.setting.name().to_string(), asked.value(row.setting))).collect(),
+        };
+        let body = Body {
             subject: points.subject.clone(),
-            boundary: domain.boundary(),
-            origin: domain.origin().to_vec(),
-            sides: domain.sides().to_vec(),
-            rests: domain.rests().to_vec(),
-            polygon: domain.as_polygon().map(|polygon| polygon.parts().to_vec()),
+            domain: points.domain.clone(),
             sizes: points.sizes.clone(),
             identity: points.identity.clone(),
             classes: points.classes.clone(),
@@ -137,60 +138,149 @@ impl Scan {
             files: scanned.collect::<Result<_>>()?,
             input: points.input.clone(),
             warnings: points.warnings.clone(),
-        })
+        };
+        Ok(Self { head, body })
     }
 
     /// What was read: the first line of a run on it.
     pub fn first_line(&self) -> String {
-        let (files, realizations) = (self.files.len() as u64, self.shape().realizations);
+        let (files, realizations) = (self.body.files.len() as u64, self.shape().realizations);
         let plural = crate::error::plural;
         format!("{} of {}", plural(realizations, "realization"), plural(files, "file"))
     }
 
-    /// The settings that they were read by, as they are typed.
-    pub fn settings(&self) -> impl Iterator<Item = (Setting, &str)> {
-        reading().filter_map(|row| Some((row.setting, self.settings.get(row.setting.name())?.as_str())))
-    }
-
     /// What the user should know of the files.
     pub fn warnings(&self) -> &[String] {
-        &self.warnings
+        &self.body.warnings
     }
 
     fn shape(&self) -> EnsembleShape {
-        EnsembleShape::of_runs(self.sizes.iter().map(|&[run, n]| (run, n)))
+        EnsembleShape::of_runs(self.body.sizes.iter().map(|&[run, n]| (run, n)))
     }
 
     /// Its bytes.
     pub fn write(&self) -> Vec<u8> {
-        serde_json::to_vec(self).unwrap_or_default()
+        let lines = [serde_json::to_vec(&self.head), serde_json::to_vec(&self.body)];
+        lines.into_iter().flat_map(|line| [line.unwrap_or_default(), b"\n".to_vec()].concat()).collect()
     }
 
-    /// The scan that a file is, if it is one.
+    /// The settings by which the files of a scan were read, as they are typed, if a file is one: its head alone is read.
     ///
     /// # Errors
     /// A scan that is damaged, or of another version.
-    pub fn read(path: &Path) -> Result<Option<Self>> {
-        let mut start = [0; START.len()];
-        let begins = File::open(path).and_then(|mut file| file.read_exact(&mut start));
-        if path.is_dir() || begins.is_err() || start != START.as_bytes() {
-            return Ok(None);
-        }
-        let bytes = fs::read(path).map_err(|e| Error::file(path, e))?;
+    pub fn settings_in(path: &Path) -> Result<Option<Vec<(Setting, String)>>> {
+        let settings = |(head, _): (Head, _)| {
+            let given = |row: &Row| Some((row.setting, head.settings.get(row.setting.name())?.clone()));
+            reading().filter_map(given).collect()
+        };
+        Ok(Head::read(path)?.map(settings))
+    }
+
+    /// The scan that the only file of a request is, if it is one.
+    ///
+    /// # Errors
+    /// A scan that is damaged, or of another version.
+    pub(super) fn in_place_of(files: &[PathBuf]) -> Result<Option<(&Path, Self)>> {
+        let [path] = files else { return Ok(None) };
+        let Some((head, mut rest)) = Head::read(path)? else { return Ok(None) };
         let wrong = |reason: String| Error::input(path.display().to_string(), reason);
-        let scan: Self = serde_json::from_slice(&bytes).map_err(|e| wrong(format!("is no whole scan: {e}")))?;
-        if scan.pairwave_scan != VERSION {
-            let version = scan.pairwave_scan;
-            return Err(wrong(format!("is of version {version} of scans; this program reads version {VERSION}")));
-        }
-        let total: u128 = scan.sizes.iter().map(|&[run, _]| u128::from(run)).sum();
+        let mut bytes = Vec::new();
+        rest.read_to_end(&mut bytes).map_err(|e| Error::file(path, e))?;
+        let body: Body = serde_json::from_slice(&bytes).map_err(|e| wrong(format!("is no whole scan: {e}")))?;
+        let total: u128 = body.sizes.iter().map(|&[run, _]| u128::from(run)).sum();
         let in_order =
-            scan.files.is_sorted_by(|a, b| a.first <= b.first) && scan.files.first().is_some_and(|f| f.first == 0);
-        let last = scan.files.last().map_or(0, |file| file.first);
+            body.files.is_sorted_by(|a, b| a.first <= b.first) && body.files.first().is_some_and(|f| f.first == 0);
+        let last = body.files.last().map_or(0, |file| file.first);
         if !in_order || u128::from(last) > total || total > 1 << 62 {
             return Err(wrong("has files whose realizations cannot be".into()));
         }
-        Ok(Some(scan))
+        Ok(Some((path, Self { head, body })))
+    }
+
+    /// A request of its files in its place, as they were when they were scanned, by the settings that they were read by; with what was read and
+    /// what was remarked then.
+    pub(super) fn of_its_files(self, path: &Path, request: &PointsRequest) -> Result<(PointsRequest, Remarked)> {
+        let mut request = self.head.completed(path, request)?;
+        for file in &self.body.files {
+            file.stamp.check(&file.path)?;
+        }
+        request.files = self.body.files.into_iter().map(|file| file.path).collect();
+        let Body { subject, input, warnings, .. } = self.body;
+        Ok((request, Remarked { subject, input, warnings }))
+    }
+
+    fn points(self, path: &Path, request: &PointsRequest) -> Result<Points> {
+        let (completed, asked) = (of_points(&self.head.completed(path, request)?), of_points(request));
+        if let Some(row) = reading().find(|row| completed.value(row.setting) != asked.value(row.setting)) {
+            let there = completed.value(row.setting);
+            let reason = format!("{} was read with {there}; expected that", path.display());
+            return Err(Error::setting(row.setting, "(none)", reason));
+        }
+        let shape = self.shape();
+        let Body { subject, domain, sizes, identity, classes, weights, intensity, input, warnings, files: all } =
+            self.body;
+        let (columns, options) =
+            (columns(request, false)?, ReadOptions { dim: dim_of_flags(request), raw: request.raw });
+        let marked = request.weight_column.is_some() || request.intensity_column.is_some();
+        let numbers = classes.iter().cloned().zip(0..).collect();
+        let marks = Marking {
+            wrap: request.wrap,
+            largest: marked.then_some(weights.largest),
+            inverse: request.intensity_column.is_some(),
+            classes: request.class_column.is_some().then_some(numbers),
+        };
+        let ends = all.iter().skip(1).map(|next| next.first).chain([shape.realizations]).collect::<Vec<_>>();
+        let (mut files, mut stamps) = (Vec::new(), Vec::new());
+        for (file, end) in all.into_iter().zip(ends) {
+            // Of one realization there are no rows to be read apart.
+            let one = end - file.first <= 1;
+            let open = if one { PointFile::Whole(file.path) } else { PointFile::open(file.path, &options, &columns) };
+            files.push((file.first, open));
+            stamps.push(file.stamp);
+        }
+        Ok(Points {
+            simulations: None,
+            intensity: intensity.map(Intensity::of_elsewhere),
+            subject,
+            domain,
+            shape,
+            identity,
+            prefixes: Vec::new(),
+            fewest: sizes.iter().map(|size| size[1]).min().unwrap_or(0),
+            sizes,
+            classes,
+            weights,
+            input,
+            warnings,
+            kind: Kind::Files(Files { files, stamps, options, columns, marks, last: Mutex::default() }),
+        })
+    }
+}
+
+/// What a scan says of its files, beside how they are read.
+pub(super) struct Remarked {
+    pub(super) subject: String,
+    pub(super) input: Option<Input>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Head {
+    /// The head of a file, if it is a scan, and what is behind it.
+    fn read(path: &Path) -> Result<Option<(Self, BufReader<File>)>> {
+        let Ok(mut file) = File::open(path).map(BufReader::new) else { return Ok(None) };
+        let mut line = vec![0; SCAN.len()];
+        if path.is_dir() || file.read_exact(&mut line).is_err() || line != SCAN.as_bytes() {
+            return Ok(None);
+        }
+        file.read_until(b'\n', &mut line).map_err(|e| Error::file(path, e))?;
+        let wrong = |reason: String| Error::input(path.display().to_string(), reason);
+        let head: Self = serde_json::from_slice(&line).map_err(|e| wrong(format!("is no whole scan: {e}")))?;
+        match head.pairwave_scan {
+            VERSION => Ok(Some((head, file))),
+            other => {
+                Err(wrong(format!("is of version {other} of scans; this program reads version {VERSION}; scan again")))
+            }
+        }
     }
 
     /// The request with the settings that the files were read by.
@@ -216,60 +306,12 @@ impl Scan {
         }
         Ok(request.input)
     }
-
-    fn points(self, path: &Path, request: &PointsRequest) -> Result<Points> {
-        if self.completed(path, request)? != *request {
-            let lacks = "was read with settings that this request does not have; `scanned` adds them";
-            return Err(Error::input(path.display().to_string(), lacks));
-        }
-        let shape = self.shape();
-        let mut domain = Domain::from_numbers(self.boundary, self.origin, self.sides, self.rests)?;
-        if let Some(parts) = self.polygon {
-            domain = Domain::polygon(parts)?;
-        }
-        let (columns, options) =
-            (columns(request, false)?, ReadOptions { dim: dim_of_flags(request), raw: request.raw });
-        let marked = request.weight_column.is_some() || request.intensity_column.is_some();
-        let numbers = self.classes.iter().cloned().zip(0..).collect();
-        let marks = Marking {
-            wrap: request.wrap,
-            largest: marked.then_some(self.weights.largest),
-            inverse: request.intensity_column.is_some(),
-            classes: request.class_column.is_some().then_some(numbers),
-        };
-        let ends = self.files.iter().skip(1).map(|next| next.first).chain([shape.realizations]).collect::<Vec<_>>();
-        let (mut files, mut stamps) = (Vec::new(), Vec::new());
-        for (file, end) in self.files.into_iter().zip(ends) {
-            // Of one realization there are no rows to be read apart.
-            let one = end - file.first <= 1;
-            let open = if one { PointFile::Whole(file.path) } else { PointFile::open(file.path, &options, &columns) };
-            files.push((file.first, open));
-            stamps.push(file.stamp);
-        }
-        Ok(Points {
-            simulations: None,
-            intensity: self.intensity.map(Intensity::of_elsewhere),
-            subject: self.subject,
-            domain,
-            shape,
-            identity: self.identity,
-            prefixes: Vec::new(),
-            fewest: self.sizes.iter().map(|size| size[1]).min().unwrap_or(0),
-            sizes: self.sizes,
-            classes: self.classes,
-            weights: self.weights,
-            input: self.input,
-            warnings: self.warnings,
-            kind: Kind::Files(Files { files, stamps, options, columns, marks, last: Mutex::default() }),
-        })
-    }
 }
 
 impl Points {
     /// The points of a scan, where the only file of a request is one.
     pub(super) fn of_scan(request: &PointsRequest) -> Result<Option<Self>> {
-        let [path] = request.files.as_slice() else { return Ok(None) };
-        Scan::read(path)?.map(|scan| scan.points(path, request)).transpose()
+        Scan::in_place_of(&request.files)?.map(|(path, scan)| scan.points(path, request)).transpose()
     }
 }
 
@@ -279,8 +321,8 @@ impl Points {
 /// A scan that is damaged; settings by which its files were not read.
 pub fn scanned(request: PointsRequest) -> Result<PointsRequest> {
     let [path] = request.files.as_slice() else { return Ok(request) };
-    match Scan::read(path)? {
-        Some(scan) => scan.completed(path, &request),
+    match Head::read(path)? {
+        Some((head, _)) => head.completed(path, &request),
         None => Ok(request),
     }
 }
@@ -291,5 +333,17 @@ impl Stamp {
         let metadata = fs::metadata(path).map_err(|e| Error::file(path, e))?;
         let since = metadata.modified().ok().and_then(|at| at.duration_since(UNIX_EPOCH).ok());
         Ok(Self { bytes: metadata.len(), modified_s: since.map_or(0, |since| since.as_secs()) })
+    }
+
+    /// Whether a file still is the one that it was. What is not there is said when it is read.
+    pub(super) fn check(&self, path: &Path) -> Result<()> {
+        if Self::of(path).is_ok_and(|now| now != *self) {
+            let reason = format!(
+                "is not the file that was scanned, of {} bytes; expected it as it was, or a new scan",
+                self.bytes
+            );
+            return Err(Error::input(path.display().to_string(), reason));
+        }
+        Ok(())
     }
 }

@@ -81,7 +81,8 @@ impl<'a> Written<'a> {
         Self(columns.into_iter().collect())
     }
 
-    fn find(&self, name: &str) -> Option<&[&'a str]> {
+    /// The cells of a column.
+    pub(crate) fn find(&self, name: &str) -> Option<&[&'a str]> {
         self.0.iter().find(|(column, _)| *column == name).map(|(_, cells)| cells.as_slice())
     }
 }
@@ -155,6 +156,12 @@ impl Measured {
             })
         };
         cells.0.iter().filter(|(name, _)| is(name)).map(|(name, cells)| (*name, cells.as_slice())).collect()
+    }
+
+    /// The columns of its vectors, if it is of vectors.
+    pub(crate) fn vector_columns<'a, 'b>(&self, cells: &'b Written<'a>) -> Vec<&'b [&'a str]> {
+        let is = |name: &str| self.keys.iter().any(|key| matches!(key, Key::Vector(of) if name.starts_with(of)));
+        cells.0.iter().filter(|(name, _)| is(name)).map(|(_, cells)| cells.as_slice()).collect()
     }
 
     /// The row of a place: one word or number for each key, separated by commas.

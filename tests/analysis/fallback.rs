@@ -2,108 +2,17 @@
 //! (g is the same to the last bit, P up to the rounding of the backends that computed it), and the summary says so.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use crate::common::*;
-use pairwave::accumulate::{Backend, ComputedBy};
-use pairwave::accumulate::{LagCounts, PairCounts, WavePower};
+use crate::mortal::Mortal;
+use pairwave::accumulate::Backend;
 use pairwave::analysis::{self, Analysis, Measurement, Plan};
-use pairwave::compute::{Compute, Device, NotHere, Pending, Work, cpu::Cpu, reference::Reference};
+use pairwave::compute::{Compute, Device, cpu::Cpu};
 use pairwave::control::Control;
-use pairwave::plan::{LagPlan, PairPlan, WavePlan};
-use pairwave::points::Ensemble;
 use pairwave::request::Request;
 use pairwave::source::Points;
 use pairwave::{Error, Result};
-
-/// A device that computes rightly, as a GPU, until its lifetime in calls is over.
-struct Mortal {
-    calls_left: AtomicU64,
-    /// How often it was asked for anything.
-    asked: Arc<AtomicU64>,
-    can_waves: bool,
-    can_lags: bool,
-    /// Adds this to every weight sum, as a GPU's f32 weights differ from those of the CPU path.
-    off: u128,
-}
-
-impl Mortal {
-    fn new(calls: u64) -> Self {
-        Self { calls_left: AtomicU64::new(calls), asked: Arc::default(), can_waves: true, can_lags: true, off: 0 }
-    }
-
-    fn call(&self) -> Result<()> {
-        self.asked.fetch_add(1, Ordering::Relaxed);
-        let spend = |left: u64| left.checked_sub(1);
-        match self.calls_left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend) {
-            Ok(_) => Ok(()),
-            Err(_) => Err(Error::Device {
-                device: "mortal".into(),
-                what: "pair_counts",
-                reason: "the device was lost".into(),
-            }),
-        }
-    }
-}
-
-impl Compute for Mortal {
-    fn computed_by(&self) -> ComputedBy {
-        ComputedBy::new(Backend::Gpu, "mortal")
-    }
-
-    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
-        let because = |why: &str| Err(NotHere::Because(why.into()));
-        match work {
-            Work::Waves(_) if !self.can_waves => because("mortal knows no waves"),
-            Work::Lags(_) if !self.can_lags => because("mortal knows no lags"),
-            Work::Pairs(_) | Work::Lags(_) | Work::Waves(_) => Ok(()),
-            _ => Err(NotHere::Never),
-        }
-    }
-
-    fn pair_counts<'a>(
-        &'a self,
-        plan: &'a PairPlan,
-        ensemble: &'a Ensemble,
-        control: &'a Control,
-    ) -> Pending<'a, PairCounts> {
-        Box::pin(async move {
-            self.call()?;
-            let mut sums = Reference.pair_counts(plan, ensemble, control).await?;
-            sums.bins.sums.iter_mut().for_each(|sum| *sum += self.off);
-            sums.computed_by = self.computed_by();
-            Ok(sums)
-        })
-    }
-
-    fn lag_counts<'a>(
-        &'a self,
-        plan: &'a LagPlan,
-        ensemble: &'a Ensemble,
-        control: &'a Control,
-    ) -> Pending<'a, LagCounts> {
-        Box::pin(async move {
-            self.call()?;
-            let mut sums = Reference.lag_counts(plan, ensemble, control).await?;
-            sums.computed_by = self.computed_by();
-            Ok(sums)
-        })
-    }
-
-    fn wave_power<'a>(
-        &'a self,
-        plan: &'a WavePlan,
-        ensemble: &'a Ensemble,
-        control: &'a Control,
-    ) -> Pending<'a, WavePower> {
-        Box::pin(async move {
-            self.call()?;
-            let mut sums = Reference.wave_power(plan, ensemble, control).await?;
-            sums.computed_by = self.computed_by();
-            Ok(sums)
-        })
-    }
-}
 
 fn analyze(request: &Request, compute: impl Compute + 'static) -> Result<Analysis> {
     let source = Arc::new(Points::open(&request.input)?);

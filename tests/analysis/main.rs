@@ -8,6 +8,7 @@ mod envelope;
 mod fallback;
 mod measurement;
 mod metamorphic;
+mod mortal;
 mod sources;
 mod streaming;
 mod survives;

@@ -1,16 +1,11 @@
 //! Runs that something ends in the middle: what was done is whole leaves of every group, can be kept, and is gone on with to the same numbers.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use crate::common::*;
-use pairwave::accumulate::{Backend, ComputedBy, LagCounts, PairCounts, WavePower};
+use crate::mortal::Mortal;
 use pairwave::analysis::{Ended, Job, Measurement, Plan};
-use pairwave::compute::{Compute, Device, NotHere, Pending, Work, cpu::Cpu};
+use pairwave::compute::{Device, cpu::Cpu};
 use pairwave::control::Control;
-use pairwave::plan::{LagPlan, PairPlan, WavePlan};
-use pairwave::points::Ensemble;
 use pairwave::source::Points;
-use pairwave::{Error, Result};
 
 fn cpu() -> Device {
     Device::new(Box::new(Cpu::new(Some(1)).unwrap()), None).unwrap()
@@ -34,60 +29,6 @@ fn goes_on(failed: &Measurement, fresh: Measurement, device: &Device) -> Measure
     rest
 }
 
-/// A processor that is lost after some calls, and the CPU path behind it too: what is no error of a device is not done again.
-struct Lost(Cpu, AtomicU64);
-
-impl Lost {
-    fn call(&self) -> Result<()> {
-        let spend = |left: u64| left.checked_sub(1);
-        let lost = || Error::input("lost", "the device was lost");
-        self.1.fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend).map(drop).map_err(|_| lost())
-    }
-}
-
-impl Compute for Lost {
-    fn computed_by(&self) -> ComputedBy {
-        ComputedBy::new(Backend::Cpu, "lost")
-    }
-
-    fn supports(&self, work: Work<'_>) -> Result<(), NotHere> {
-        self.0.supports(work)
-    }
-
-    fn pair_counts<'a>(
-        &'a self,
-        plan: &'a PairPlan,
-        points: &'a Ensemble,
-        control: &'a Control,
-    ) -> Pending<'a, PairCounts> {
-        Box::pin(async move {
-            self.call()?;
-            self.0.pair_counts(plan, points, control).await
-        })
-    }
-
-    fn lag_counts<'a>(
-        &'a self,
-        plan: &'a LagPlan,
-        points: &'a Ensemble,
-        control: &'a Control,
-    ) -> Pending<'a, LagCounts> {
-        self.0.lag_counts(plan, points, control)
-    }
-
-    fn wave_power<'a>(
-        &'a self,
-        plan: &'a WavePlan,
-        points: &'a Ensemble,
-        control: &'a Control,
-    ) -> Pending<'a, WavePower> {
-        Box::pin(async move {
-            self.call()?;
-            self.0.wave_power(plan, points, control).await
-        })
-    }
-}
-
 #[test]
 fn a_device_that_is_lost_leaves_what_it_had_done() {
     let request = request("--sampler jittered -n 64 -k 400 --stats pcf,spectrum --max-frequency 4 --device cpu");
@@ -96,7 +37,7 @@ fn a_device_that_is_lost_leaves_what_it_had_done() {
     assert!(matches!(Job::default().measure(&mut whole, &cpu, &Control::default(), &mut |_| ()), Ended::Whole));
     // Three calls: within the second round, when g has its realizations and P does not.
     for calls in [2, 3] {
-        let lost = Device::new(Box::new(Lost(Cpu::new(Some(1)).unwrap(), AtomicU64::new(calls))), None).unwrap();
+        let lost = Device::new(Box::new(Mortal::processor(calls)), None).unwrap();
         let mut measurement = Measurement::of(&request).unwrap();
         let Ended::Failed(error) = Job::default().measure(&mut measurement, &lost, &Control::default(), &mut |_| ())
         else {

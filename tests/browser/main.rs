@@ -92,7 +92,9 @@ fn pages(scratch: &Scratch) -> Vec<PathBuf> {
     scratch.ok("plot flat other --labels Cells,<None> --page pages/both.html");
     scratch.ok("analyze --sampler sobol -n 64 -k 2 --dim 4 --device cpu --quiet --out pairs");
     scratch.ok("analyze --sampler sobol -n 64 -k 2 --prefixes 8,16,32,64 --device cpu --quiet --out prefixes");
-    let dirs = ["flat", "line", "space", "classes", "covariance", "integral", "pairs", "prefixes"];
+    // They differ: exit code 3.
+    scratch.run("compare flat other --out compared");
+    let dirs = ["flat", "line", "space", "classes", "covariance", "integral", "pairs", "prefixes", "compared"];
     let reports = dirs.iter().map(|dir| scratch.path(dir).join("report.html"));
     reports.chain([scratch.path("pages/both.html")]).collect()
 }

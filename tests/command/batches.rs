@@ -295,6 +295,59 @@ fn a_cluster_is_an_array_of_parts() {
     assert!(second.contains("--out out: holds a result already"), "{second}");
 }
 
+/// Files are scanned once, before the parts, which read their own; by processes one after the other, and by jobs that wait for each other.
+#[cfg(unix)]
+#[test]
+fn a_cluster_scans_files_once() {
+    /// A queue that runs each job as it comes, and notes what it was asked for.
+    const SBATCH: &str = r#"#!/bin/bash
+        echo "$*" >>"$0.log"
+        while (($#)); do
+            case $1 in --array=1-*) last=${1#--array=1-} ;; --wrap) wrap=$2 && shift ;; esac
+            shift
+        done
+        for ((k = 1; k <= ${last:-1}; k++)); do SLURM_ARRAY_TASK_ID=$k bash -c "$wrap" >&2 || exit 1; done
+        wc -l <"$0.log"
+    "#;
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("runs")).unwrap();
+    std::fs::create_dir(scratch.path("queue")).unwrap();
+    for k in 0..40 {
+        scratch.ok(&format!("sample random -n 50 -k 1 --seed {k} --quiet --out runs/{k:02}.csv"));
+    }
+    let run = "--stats pcf,spectrum --device cpu";
+    scratch.ok(&format!("analyze runs --box 1,1 {run} --quiet --out whole"));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/slurm/run.sh");
+    let steps = |out: &str, path: &str| {
+        let mut command = Command::new("bash");
+        let arguments = format!("{script} 2 {out} runs --box 1,1 -- {run}");
+        command.args(arguments.split_whitespace()).current_dir(scratch.0.path());
+        command.env("PAIRWAVE", env!("CARGO_BIN_EXE_pairwave")).env("PATH", format!("{path}/usr/bin:/bin"));
+        let output = command.output().unwrap();
+        (output.status.success(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (done, told) = steps("alone", "");
+    assert!(done, "{told}");
+    assert_same(&scratch, "whole", "alone");
+
+    let queue = scratch.file("queue/sbatch", SBATCH);
+    std::fs::set_permissions(&queue, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let (done, told) = steps("queued", &format!("{}:", scratch.path("queue").display()));
+    assert!(done, "{told}");
+    // A job has the threads that the queue gives it, which the device says.
+    assert!(bytes(&scratch.path("whole")) == bytes(&scratch.path("queued")));
+    let jobs = std::fs::read_to_string(scratch.path("queue/sbatch.log")).unwrap();
+    let jobs: Vec<&str> = jobs.lines().collect();
+    assert!(jobs.len() == 3 && jobs[0].contains("scan runs --box 1\\,1 "), "{jobs:?}");
+    assert!(jobs[1].contains("--dependency=afterok:1 ") && jobs[1].contains("analyze queued.scan "), "{jobs:?}");
+    assert!(jobs[2].contains("--dependency=afterok:2 "), "{jobs:?}");
+    // Again, the scan that is there does.
+    let before = std::fs::metadata(scratch.path("alone.scan")).unwrap().modified().unwrap();
+    std::fs::remove_dir_all(scratch.path("alone")).unwrap();
+    assert!(steps("alone", "").0);
+    assert_eq!(std::fs::metadata(scratch.path("alone.scan")).unwrap().modified().unwrap(), before);
+}
+
 /// A disk that takes no file beyond 4 KiB: what was kept before stays, and what failed is said.
 #[cfg(unix)]
 #[test]
@@ -325,6 +378,72 @@ fn a_full_disk_takes_nothing_that_was_kept() {
     assert!(code == Some(1) && told.contains("File too large"), "{code:?} {told}");
     scratch.ok(&format!("analyze {RUN} --resume --out out"));
     assert_same(&scratch, "whole", "out");
+}
+
+/// A file system of its own that is too small for a result. Mounting it needs rights that not every machine gives.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_without_room_keeps_the_sums() {
+    /// In a folder of its own: a run whose sums fit alone, and one whose first checkpoint leaves no room for another; both gone on with when there is room.
+    const STEPS: &str = r#"
+        mkdir full && mount -t tmpfs -o "size=$SMALL" none full || exit 77
+        run() { name=$1; shift; "$PAIRWAVE" analyze $RUN "$@" --out "full/$name" 2>>"$name.told"; echo $? >>"$name.codes"; }
+        for name in sums checkpoint; do
+            [ $name = sums ] && every= || every="--checkpoint 0"
+            run $name $every
+            { ls -A full; ls -A "full/$name"; } >"$name.names"
+            mount -o remount,size=64m full
+            run $name --resume
+            cp -r "full/$name" . && rm -r "full/$name"
+            mount -o remount,size="$SMALL" full
+        done
+    "#;
+    let scratch = Scratch::new();
+    let run = RUN.replace(",covariance,counts --covariance-frequency 2 --integrand disk", "");
+    scratch.ok(&format!("analyze {run} --out whole"));
+    scratch.ok(&format!("analyze {run} --keep-sums --out kept"));
+    scratch.ok(&format!("analyze {run} --time-limit 0 --out begun"));
+    let size = |dir: &str| std::fs::metadata(scratch.path(dir).join("partial.sums")).unwrap().len();
+    let result: u64 =
+        std::fs::read_dir(scratch.path("whole")).unwrap().map(|e| e.unwrap().metadata().unwrap().len()).sum();
+    let small = size("kept") + (48 << 10);
+    assert!(size("begun") > 64 << 10 && result > small, "{} {result}", size("begun"));
+    let tried = [&["--user", "--map-root-user", "--mount"][..], &["--mount"]].into_iter().any(|rights| {
+        let mut command = Command::new("unshare");
+        command.args(rights).args(["sh", "-c", STEPS]).current_dir(scratch.0.path()).env("RUN", &run);
+        command.env("PAIRWAVE", env!("CARGO_BIN_EXE_pairwave")).env("SMALL", small.to_string());
+        let output = command.output();
+        if let Ok(output) = &output
+            && output.status.success()
+        {
+            return true;
+        }
+        eprintln!("no file system of its own by unshare {}: {output:?}", rights.join(" "));
+        let _ = std::fs::remove_dir(scratch.path("full"));
+        false
+    });
+    if !tried {
+        eprintln!("the disk that is full is a limit on the size of files");
+        let line = format!(
+            "trap '' XFSZ; ulimit -f 100; exec {} analyze {run} --checkpoint 0 --out limited",
+            env!("CARGO_BIN_EXE_pairwave")
+        );
+        let output = Command::new("sh").args(["-c", &line]).current_dir(scratch.0.path()).output().unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(1) && told.contains("File too large"), "{told}");
+        return;
+    }
+    let read = |name: &str| std::fs::read_to_string(scratch.path(name)).unwrap();
+    for (name, said) in [
+        ("sums", "70 of 70 realizations are kept in full/sums: the same command with --resume goes on"),
+        ("checkpoint", " of 70 realizations of the last checkpoint are in full/checkpoint: --resume goes on with them"),
+    ] {
+        let told = read(&format!("{name}.told"));
+        assert!(told.contains("No space left on device") && told.contains(said), "{name}: {told}");
+        assert_eq!(read(&format!("{name}.codes")), "1\n0\n", "{name}: {told}");
+        assert_eq!(read(&format!("{name}.names")), format!("{name}\npartial.sums\n"), "nothing else is left");
+        assert_same(&scratch, "whole", name);
+    }
 }
 
 #[test]

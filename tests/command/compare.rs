@@ -46,6 +46,82 @@ fn equal_processes_agree_and_others_differ() {
     assert_eq!((quiet.status.code(), quiet.stdout.len(), quiet.stderr.len()), (Some(3), 0, 0));
 }
 
+/// The page has z of every column along an axis, with the lines that p is read off by.
+#[test]
+fn differences_are_drawn_against_their_axes() {
+    let scratch = Scratch::new();
+    // Few realizations: the lines are those of Student's law.
+    let run = RUN.replace("-k 40", "-k 6").replace("pcf,spectrum", "pcf,spectrum,counts,k-function");
+    for (sampler, seed) in [("jittered", 1), ("jittered", 2), ("random", 3)] {
+        scratch.ok(&format!("analyze --sampler {sampler} --seed {seed} {run} --out {sampler}{seed}"));
+    }
+    let (_, found) = json(&scratch, "jittered1 jittered2 random3 --alpha 0.05 --out all");
+    let page = std::fs::read_to_string(scratch.path("all/report.html")).unwrap();
+    let data = page.split("<script type=\"application/json\" id=\"table-").skip(1);
+    let tables: Vec<Value> = data
+        .map(|rest| rest.split_once("\">").unwrap().1.split_once("</script>").unwrap().0)
+        .map(|text| serde_json::from_str(text).unwrap())
+        .collect();
+    let (mut passed, mut drawn) = (0, 0);
+    for column in found["columns"].as_array().unwrap() {
+        let figure = column["figure"].as_str().unwrap();
+        let table = tables.iter().find(|table| table["name"] == format!("{figure} in comparison.csv"));
+        assert_eq!(table.is_some(), !figure.starts_with("variance."), "{figure}");
+        let Some(table) = table else { continue };
+        drawn += 1;
+        let result = found["results"][column["with"].as_u64().unwrap() as usize].as_str().unwrap();
+        let mut reader = csv::Reader::from_reader(table["csv"].as_str().unwrap().as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let rows: Vec<csv::StringRecord> =
+            reader.records().map(Result::unwrap).filter(|row| &row[0] == result).collect();
+        assert_eq!(rows.len() as u64, column["rows"].as_u64().unwrap(), "{figure}");
+        for row in &rows {
+            let number = |name: &str| {
+                row[header.iter().position(|h| h == name).unwrap()].parse::<f64>().unwrap_or(f64::INFINITY)
+            };
+            let (z, p) = (number("z").abs(), number("p"));
+            assert_eq!(z >= number("critical_single"), p <= 0.05, "{figure} {row:?}");
+            assert_eq!(z >= number("critical_column"), p * rows.len() as f64 <= 0.05, "{figure} {row:?}");
+            assert!(number("critical_single") > 1.96 && number("critical_single") < number("critical_column"));
+            passed += usize::from(z >= number("critical_column"));
+        }
+    }
+    assert!(passed > 10 && drawn > 12, "{passed} {drawn}");
+    // Beside the curves that they are of.
+    let at = |id: &str| page.find(&format!("<figure id=\"{id}\">")).unwrap_or_else(|| panic!("{id}"));
+    let order = ["pcf", "difference_0", "k_function", "spectrum_radial"].map(at);
+    assert!(order.is_sorted(), "{order:?}");
+    assert!(page.contains("Difference of pcf.g, in standard errors") && page.contains("distance r"));
+}
+
+/// A table that is none ends the page too, by its line, though what is compared is whole.
+#[test]
+fn a_broken_table_is_named_where_its_curves_would_be() {
+    let scratch = Scratch::new();
+    let run = "--device cpu -n 64 -k 12 --bins 16 --stats k-function --quiet";
+    scratch.ok(&format!("analyze --sampler jittered --seed 1 {run} --out a"));
+    scratch.ok(&format!("analyze --sampler jittered --seed 2 {run} --out b"));
+    let path = scratch.path("b/k_function.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let at = header.split(',').position(|name| name == "l_minus_r").unwrap();
+    let mut cells: Vec<&str> = rows.lines().next().unwrap().split(',').collect();
+    cells[at] = "much";
+    let rest = rows.split_once('\n').unwrap().1;
+    std::fs::write(&path, format!("{header}\n{}\n{rest}", cells.join(","))).unwrap();
+    scratch.ok("compare a b");
+    scratch.fails("compare a b --out both", 1, "b/k_function.csv:2: column l_minus_r holds much; expected a number");
+    assert!(!scratch.path("both").exists());
+    // Results without curves have a page all the same.
+    for seed in [1, 2] {
+        scratch.ok(&format!(
+            "integrate --sampler jittered --seed {seed} -n 64 -k 12 --integrand disk --device cpu --quiet --out i{seed}"
+        ));
+    }
+    scratch.ok("compare i1 i2 --out integrals");
+    assert!(scratch.path("integrals/report.html").is_file());
+}
+
 #[test]
 fn one_result_and_itself_are_one() {
     let scratch = Scratch::new();
@@ -127,4 +203,30 @@ fn points_beside_others_are_measured_by_the_same_settings() {
         "--beside jittered: is a sampler, which draws on a torus; expected files, or no --window",
     );
     scratch.fails("analyze mine.npy --beside random --shard 1/2 --out d", 2, "--shard (given): is of one measurement");
+}
+
+#[test]
+fn what_marks_points_is_said_to_be_left_out_beside_a_sampler() {
+    let scratch = Scratch::new();
+    let points: String = (0..60)
+        .map(f64::from)
+        .map(|k| format!("{},{},{},{}\n", (0.618 * k).fract(), (0.755 * k).fract(), k % 2.0, 1.0 + k % 3.0))
+        .collect();
+    scratch.file("points.csv", &format!("x,y,kind,w\n{points}"));
+    let run = "analyze points.csv --stats pcf --bins 8 --device cpu --beside random --beside points.csv";
+    for (marks, said) in [
+        (
+            "--class-column kind --classes 0,1",
+            "all/random: measured without --class-column kind and --classes 0,1: points of random have none",
+        ),
+        ("--weight-column w", "all/random: measured without --weight-column w: points of random have none"),
+    ] {
+        let output = scratch.run(&format!("{run} {marks} --out all --force"));
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && told.contains(said), "{told}");
+        // The file beside has them.
+        assert_eq!(told.matches("measured without").count(), 1, "{told}");
+        let notes = crate::shared::summary(&scratch.path("all"))["warnings"].to_string();
+        assert!(notes.contains("measured without"), "{notes}");
+    }
 }

@@ -100,6 +100,30 @@ fn mistakes_are_named_with_their_line() {
     scratch.fails("analyze --config run.toml --config run.toml", 1, "given twice");
 }
 
+/// Keys that have nothing to do without a place for the result, and the place in the file.
+#[test]
+fn what_needs_a_place_for_the_result_says_so() {
+    let scratch = Scratch::new();
+    let settings = "command = \"analyze\"\nsampler = \"jittered\"\npoints = 16\nquiet = true\nstats = [\"pcf\"]\ndevice = \"cpu\"\n";
+    for (key, value) in [("keep-sums", "true"), ("npz", "true"), ("beside", "[\"random\"]"), ("checkpoint", "60")] {
+        scratch.file("run.toml", &format!("{settings}{key} = {value}\n"));
+        scratch.fails(
+            "--config run.toml",
+            2,
+            &format!("{key} is set in run.toml:7, and needs --out <DIR>: type it, or set it there too"),
+        );
+        scratch.ok(&format!("--config run.toml --out typed_{key}"));
+        scratch.file("run.toml", &format!("{settings}{key} = {value}\nout = \"set_{key}\"\n"));
+        scratch.ok("--config run.toml");
+        assert!(scratch.path(&format!("set_{key}/summary.json")).is_file());
+    }
+    // What is missing whatever a file says is not said of it.
+    scratch.file("run.toml", "command = \"merge\"\nquiet = true\nkeep-sums = true\n");
+    let output = scratch.run("--config run.toml");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && said.contains("--out <DIR>") && !said.contains("is set in"), "{said}");
+}
+
 #[test]
 fn the_manual_has_a_page_for_each_command() {
     let scratch = Scratch::new();

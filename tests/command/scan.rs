@@ -79,6 +79,99 @@ fn settings_by_which_files_were_read_are_those_of_the_scan() {
     let text = std::fs::read_to_string(scratch.path("ab.scan")).unwrap();
     scratch.file("cut.scan", &text[..text.len() / 2]);
     scratch.fails("analyze cut.scan --device cpu", 1, "cut.scan: is no whole scan");
+    scratch.file("headless.scan", &text[..text.find("settings").unwrap()]);
+    scratch.fails("analyze headless.scan --device cpu", 1, "headless.scan: is no whole scan");
     scratch.file("old.scan", &text.replacen("{\"pairwave_scan\":1", "{\"pairwave_scan\":9", 1));
     scratch.fails("analyze old.scan --device cpu", 1, "is of version 9 of scans; this program reads version 1");
+}
+
+#[test]
+fn a_scan_stands_for_its_files_wherever_they_are_given() {
+    let scratch = Scratch::new();
+    for (dir, n) in [("few", 16), ("many", 64)] {
+        std::fs::create_dir(scratch.path(dir)).unwrap();
+        for k in 0..5 {
+            scratch.ok(&format!("sample random --dim 3 -n {n} -k 1 --seed {k} --quiet --out {dir}/{k}.csv"));
+        }
+        scratch.ok(&format!("scan {dir} --box 1,1,2 --quiet --out {dir}.scan"));
+    }
+    let tables = |dir: &str| {
+        let files = std::fs::read_dir(scratch.path(dir)).unwrap().map(|file| file.unwrap().path());
+        let tables = files.filter(|path| path.extension().is_some_and(|end| end == "csv"));
+        tables.map(|path| (path.file_name().unwrap().to_owned(), std::fs::read(&path).unwrap())).collect::<Vec<_>>()
+    };
+    for (k, (of_files, of_scan)) in [
+        ("analyze many --box 1,1,2 --projections", "analyze many.scan --projections"),
+        ("analyze many --box 1,1,2 --prefixes 16,64", "analyze many.scan --prefixes 16,64"),
+        ("convergence few many --box 1,1,2 --integrand disk", "convergence few.scan many.scan --integrand disk"),
+        (
+            "convergence many --box 1,1,2 --prefixes 8,32 --integrand disk",
+            "convergence many.scan --prefixes 8,32 --integrand disk",
+        ),
+        ("integrate many --box 1,1,2 --integrand disk", "integrate many.scan --integrand disk"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (a, b) = (format!("files{k}"), format!("scan{k}"));
+        scratch.ok(&format!("{of_files} --device cpu --quiet --out {a}"));
+        scratch.ok(&format!("{of_scan} --device cpu --quiet --out {b}"));
+        let (mut a, mut b) = (tables(&a), tables(&b));
+        a.sort();
+        b.sort();
+        // The name of a subject is that of what was given.
+        if of_files.starts_with("convergence few") {
+            let named = |(name, bytes): (std::ffi::OsString, Vec<u8>)| {
+                (name, String::from_utf8(bytes).unwrap().replace("few.scan", "few").into_bytes())
+            };
+            b = b.into_iter().map(named).collect();
+        }
+        assert!(!a.is_empty() && a == b, "{of_scan}");
+    }
+    scratch.fails(
+        "convergence many.scan --box 1,1,1 --prefixes 8,32 --integrand disk",
+        2,
+        "--box 1,1,1: many.scan was read with 1,1,2; expected that, or none",
+    );
+    // What it cannot stand for is said.
+    scratch.fails(
+        "analyze few.scan many/0.csv --device cpu",
+        1,
+        "few.scan: a scan of other files, which is not read here; give it alone, in place of them, or give the files",
+    );
+    scratch.ok("analyze few --box 1,1,2 --stats pcf --device cpu --keep-sums --quiet --out kept");
+    scratch.ok("scan few many --box 1,1,2 --quiet --out both.scan");
+    scratch.fails(
+        "analyze both.scan --stats pcf --device cpu --extend kept --out more",
+        1,
+        "were scanned, and of the first of them alone nothing is known; expected the files themselves, to add to a result",
+    );
+    scratch.fails(
+        "analyze few --stats pcf --envelope-from many.scan --device cpu",
+        2,
+        "--box (none): many.scan was read with 1,1,2; expected that",
+    );
+    scratch.file("kinds.csv", "x,y,kind\n0.1,0.2,a\n0.5,0.5,b\n0.9,0.3,a\n0.4,0.8,b\n");
+    scratch.ok("scan kinds.csv --class-column kind --quiet --out kinds.scan");
+    for (run, said) in [
+        ("analyze kinds.scan --prefixes 2,4 --device cpu", "the files themselves, or a scan that was made without it"),
+        (
+            "convergence kinds.scan --prefixes 2,4 --integrand disk",
+            "the files themselves, or a scan that was made without it",
+        ),
+        (
+            "convergence kinds.scan few.scan --integrand disk",
+            "kinds.scan was made with it, and convergence is measured without",
+        ),
+    ] {
+        scratch.fails(
+            run,
+            2,
+            &format!("--class-column kind: {}", if said.starts_with("the") { "is not there" } else { said }),
+        );
+        scratch.fails(run, 2, said);
+    }
+    // A file that was changed since, there too.
+    std::fs::write(scratch.path("many/3.csv"), "x,y,z\n0.5,0.5,0.5\n").unwrap();
+    scratch.fails("analyze many.scan --prefixes 1,2 --device cpu", 1, "3.csv: is not the file that was scanned");
 }

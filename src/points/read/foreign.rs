@@ -20,7 +20,8 @@ const PICTURE: &str = "find the points in it first, and write their coordinates 
 const UNPACK: &str = "unpack it first";
 
 /// What files begin with.
-const MAGICS: [(&[u8], Named); 55] = [
+const MAGICS: [(&[u8], Named); 56] = [
+    (super::SCAN.as_bytes(), ("a scan of other files", "give it alone, in place of them, or give the files")),
     (b"\x89HDF\r\n\x1a\n", ("HDF5", "save the dataset with h5py and numpy as .npy, shape (n, d)")),
     (b"\x0e\x03\x13\x01", ("HDF4", NUMPY)),
     (b"MATLAB 7.3 MAT-file", ("a MATLAB .mat file", "save the matrix as CSV (writematrix)")),

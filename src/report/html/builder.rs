@@ -274,7 +274,10 @@ fn legend(figure: &Figure, groups: &[Option<usize>], curves: &[Curve]) -> String
     for layer in figure.layers.iter().zip(groups).filter(|(_, group)| group.is_none()).map(|(layer, _)| layer) {
         let (name, color, look) = match layer {
             Layer::Band { name, color, .. } => (name, *color, "stroke-width=\"9\" stroke-opacity=\"0.22\""),
-            Layer::Line { name, color, .. } => (name, *color, "stroke-width=\"1.2\" stroke-dasharray=\"7 4.5\""),
+            Layer::Line { name, color, stroke, .. } => {
+                let dashes = stroke.dashes().map(|(dash, gap)| format!(" stroke-dasharray=\"{dash} {gap}\""));
+                (name, *color, &*format!("stroke-width=\"1.2\"{}", dashes.unwrap_or_default()))
+            }
             Layer::Level { name, .. } => (name, GREY, "stroke-width=\"1.2\""),
             Layer::Hint { .. } => continue,
         };

@@ -7,10 +7,9 @@ mod data;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-pub(super) use builder::Curves;
-pub(crate) use builder::{Numbers, Page};
+pub(crate) use builder::{Curves, Numbers, Page};
 pub(super) use color_bar::color_bar;
-pub(super) use data::{Curve, Values};
+pub(crate) use data::{Curve, Values};
 
 use super::columns::Columns;
 use super::outputs::{self, Picture, sections};
@@ -165,7 +164,13 @@ fn figures(page: &mut Page, a: &Analysis, pictures: &BTreeMap<&'static str, Pict
             let name = output.name.split('.').next().unwrap_or(output.name);
             let Some(figure) = &picture.figure else {
                 let cells: Vec<_> = picture.cells.iter().map(|(element, cells)| (*element, cells)).collect();
-                page.picture(name, [&picture.html, &picture.below, &caption], &cells, &[])?;
+                // A picture that has a table of its name is of that.
+                let table = format!("{name}.csv");
+                let read =
+                    outputs::bytes(&table, a)?.map(|bytes| Columns::read(PathBuf::from(&table), &bytes)).transpose()?;
+                let numbers: Vec<_> =
+                    read.iter().map(|columns| Numbers { name: &table, columns, page: None }).collect();
+                page.picture(name, [&picture.html, &picture.below, &caption], &cells, &numbers)?;
                 continue;
             };
             let table = figure.numbers.map(|numbers| numbers.table);

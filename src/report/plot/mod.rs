@@ -12,7 +12,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::columns::{Curve, Place};
-use super::html::Page;
 use super::svg;
 use crate::display::figure::{
     BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, Of, PURPLE, Rgb, SKY, Stroke, VERMILION, band_runs, runs,
@@ -23,6 +22,7 @@ use crate::named::named;
 use crate::setting::Setting;
 use crate::stage;
 use crate::statistics::axes::{DRAWN, Drawn, Level, Values};
+pub(crate) use page::{Additions, Seen};
 pub(crate) use result::Stored;
 
 /// What is drawn, of which results, and how.
@@ -179,40 +179,33 @@ impl Plot {
             return Err(Error::setting(Setting::Page, file.display(), reason));
         }
         let warnings = warnings(&results);
-        let html = page::page(&look, &drawn, &results, &warnings, file, |_| ())?;
+        let html = page::page(&look, &drawn, &results, &warnings, file, &())?;
         write(file, html.as_bytes(), force)?;
         Ok(Plotted { files: vec![file.into()], warnings })
     }
 
-    /// The page of results with all figures that they have in common, if any, and what `add` says of them. It will be in a file.
-    pub(crate) fn page_with(results: &[PathBuf], file: &Path, add: impl FnOnce(&mut Page)) -> Result<String> {
+    /// The page of results with all figures that they have in common, if any, and what is added to them. It will be in a file.
+    ///
+    /// # Errors
+    /// A table that is none, by its file and line.
+    pub(crate) fn page_with(results: &[PathBuf], file: &Path, add: &dyn Additions) -> Result<String> {
         let plot = Self { results: results.to_vec(), size: DEFAULT_SIZE.into(), ..Self::default() };
         let results = results.iter().map(|dir| Stored::open(dir)).collect::<Result<Vec<_>>>()?;
-        let drawn = plot.chosen(&results).unwrap_or_default();
+        let drawn = common(&results)?;
         page::page(&Look::of(&plot, &results)?, &drawn, &results, &warnings(&results), file, add)
     }
 
     /// The figures that were asked for, or all that every result has.
     fn chosen(&self, results: &[Stored]) -> Result<Vec<&'static Drawn>> {
-        let mut common = Vec::new();
-        for result in results {
-            let here = result.figures()?;
-            if common.is_empty() {
-                common = here;
-            } else {
-                common.retain(|drawn| here.iter().any(|other| other.stem == drawn.stem));
-            }
-            if common.is_empty() {
-                let place = result.dir.display().to_string();
-                let expected = DRAWN.map(|drawn| drawn.table).into_iter().collect::<BTreeSet<_>>();
-                let expected = expected.into_iter().collect::<Vec<_>>().join(", ");
-                return Err(Error::input(
-                    place,
-                    format!("has no table that all results have; expected one of {expected}"),
-                ));
-            }
+        let all = common(results)?;
+        if all.is_empty() {
+            let without = (1..results.len()).find(|&k| common(&results[..k]).is_ok_and(|some| some.is_empty()));
+            let place = results[without.unwrap_or(results.len()).saturating_sub(1)].dir.display().to_string();
+            let expected = DRAWN.map(|drawn| drawn.table).into_iter().collect::<BTreeSet<_>>();
+            let expected = expected.into_iter().collect::<Vec<_>>().join(", ");
+            return Err(Error::input(place, format!("has no table that all results have; expected one of {expected}")));
         }
-        let names = common.iter().map(|drawn| drawn.stem).collect::<Vec<_>>().join(", ");
+        let names = all.iter().map(|drawn| drawn.stem).collect::<Vec<_>>().join(", ");
         let mut chosen: Vec<&'static Drawn> = Vec::new();
         for name in &self.figures {
             let Some(drawn) = DRAWN.into_iter().find(|drawn| drawn.stem == name) else {
@@ -228,7 +221,7 @@ impl Plot {
                 chosen.push(drawn);
             }
         }
-        Ok(if chosen.is_empty() { common } else { chosen })
+        Ok(if chosen.is_empty() { all } else { chosen })
     }
 
     /// The file of each figure.
@@ -254,6 +247,17 @@ impl Plot {
             Ok(_) => Ok(vec![out.into()]),
         }
     }
+}
+
+/// The figures that every result has.
+///
+/// # Errors
+/// A table that cannot be read, by its file and line.
+fn common(results: &[Stored]) -> Result<Vec<&'static Drawn>> {
+    let all = results.iter().map(Stored::figures).collect::<Result<Vec<_>>>()?;
+    let Some((first, others)) = all.split_first() else { return Ok(Vec::new()) };
+    let everywhere = |drawn: &&&Drawn| others.iter().all(|here| here.iter().any(|other| other.stem == drawn.stem));
+    Ok(first.iter().filter(everywhere).copied().collect())
 }
 
 /// What makes results hard to compare with the first.

@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 use super::headlines::headlines;
 use super::{Look, Overlay, Stored};
 use crate::display::figure::{Layer, Rgb, Stroke};
-use crate::display::{escape, human};
+use crate::display::{Units, escape, human};
 use crate::error::{Error, Result};
 use crate::report::columns::{Columns, Place};
 use crate::report::html::{Curve, Curves, Numbers, Page, Values};
@@ -35,14 +35,42 @@ const NO_NUMBERS: [&str; 14] = [
     "domain",
 ];
 
-/// The page, which will be in a file; `add` has sections of its own before the figures.
+/// What a page of results has besides them.
+pub(crate) trait Additions {
+    /// Sections before the figures.
+    fn sections(&self, _: &mut Page) {}
+
+    /// The tables, by their files without the ending, that it has figures of.
+    fn tables(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
+    /// Draws those of a table, which stand behind the curves of it.
+    ///
+    /// # Errors
+    /// What cannot be drawn.
+    fn figures(&self, _page: &mut Page, _table: &str, _seen: &Seen<'_>) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Additions for () {}
+
+/// How a page speaks of its results.
+pub(crate) struct Seen<'a> {
+    /// Their names, plain text.
+    pub(crate) labels: &'a [String],
+    pub(crate) units: &'a Units,
+}
+
+/// The page, which will be in a file, with what is added to it.
 pub(super) fn page(
     look: &Look<'_>,
     drawn: &[&Drawn],
     results: &[Stored],
     warnings: &[String],
     file: &Path,
-    add: impl FnOnce(&mut Page),
+    add: &dyn Additions,
 ) -> Result<String> {
     let labels = &look.labels;
     let title = look.plot.title.clone().unwrap_or_else(|| labels.join(", "));
@@ -83,10 +111,10 @@ pub(super) fn page(
         page.folded(&format!("All numbers of {SUMMARY}"), |page| page.table("All numbers", &named, &all));
     }
 
-    add(&mut page);
-    if !drawn.is_empty() {
+    add.sections(&mut page);
+    if !drawn.is_empty() || !add.tables().is_empty() {
         page.section("Figures");
-        figures(&mut page, look, drawn, results)?;
+        figures(&mut page, look, drawn, results, add)?;
     }
 
     if !same.is_empty() {
@@ -200,9 +228,11 @@ fn flattened(value: &Json, key: &str, leaves: &mut Vec<(String, String)>) {
     }
 }
 
-fn figures(page: &mut Page, look: &Look<'_>, drawn: &[&Drawn], results: &[Stored]) -> Result<()> {
+fn figures(page: &mut Page, look: &Look<'_>, drawn: &[&Drawn], results: &[Stored], add: &dyn Additions) -> Result<()> {
     let mut known: BTreeMap<(usize, &str), usize> = BTreeMap::new();
-    for each in drawn {
+    let mut added = add.tables();
+    let seen = Seen { labels: &look.labels, units: &look.units };
+    for (k, each) in drawn.iter().enumerate() {
         let Overlay { mut figure, groups, curves } = look.overlay(each, results)?;
         figure.title = each.title.into();
         let lines = figure.layers[figure.layers.len() - curves.len()..].iter();
@@ -233,6 +263,11 @@ fn figures(page: &mut Page, look: &Look<'_>, drawn: &[&Drawn], results: &[Stored
         });
         let numbers = numbers.map_err(|e| Error::file(each.table, io::Error::other(e)))?;
         known.extend(numbers.into_iter().enumerate().map(|(which, number)| ((which, each.table), number)));
+        let is_last = drawn.get(k + 1).is_none_or(|next| next.table != each.table);
+        let table = each.table.trim_end_matches(".csv");
+        if is_last && let Some(at) = added.iter().position(|other| *other == table) {
+            add.figures(page, added.remove(at), &seen)?;
+        }
     }
-    Ok(())
+    added.into_iter().try_for_each(|table| add.figures(page, table, &seen))
 }

@@ -8,7 +8,7 @@ use crate::display::figure::{Figure, IN_TURN, Layer, Numbers, Of, Rgb, Stroke};
 use crate::display::{
     Attribution, ColorMap, Decades, Form, Pixels, Units, distance_sums, error_bars, frequency_sums, human,
 };
-use crate::estimate::Analysis;
+use crate::estimate::{Analysis, IntegrationError};
 use crate::statistics::{At, Cells, Map, Steps, Svg};
 
 const WIDTH: f64 = 900.0;
@@ -95,28 +95,27 @@ pub(super) fn variance(a: &Analysis) -> Svg {
     Ok(svg)
 }
 
+/// The curve of an integrand, by its place in the list.
+fn line(one: &IntegrationError, k: usize, run: Vec<(f64, f64)>) -> Layer {
+    let name = one.integrand.spec().split(':').next().unwrap_or_default();
+    let stroke = if k < IN_TURN.len() { Stroke::Solid } else { Stroke::Dashed };
+    let color = IN_TURN[k % IN_TURN.len()];
+    Layer::Line { name: escape(name), color, width: 2.0, stroke, runs: vec![run], of: Of::Points }
+}
+
 /// `attribution.svg`: the share of the predicted variance that frequencies up to |m| add.
 pub(super) fn attribution(a: &Analysis) -> Option<Figure> {
     let found = a.integration()?;
     let mut layers = Vec::new();
     let mut end = 1f64;
-    for (one, color) in found.each.iter().zip(IN_TURN.iter().cycle()) {
+    for (k, one) in found.each.iter().enumerate() {
         let run: Vec<(f64, f64)> = frequency_sums(one).into_iter().map(|[m, share]| (m, share)).collect();
         if run.is_empty() {
             continue;
         }
         // As far as all but a hundredth.
         end = run.iter().find(|p| p.1 > 0.99).or(run.last()).map_or(end, |p| end.max(p.0));
-        let name = one.integrand.spec().split(':').next().unwrap_or_default();
-        let stroke = if layers.len() < IN_TURN.len() { Stroke::Solid } else { Stroke::Dashed };
-        layers.push(Layer::Line {
-            name: escape(name),
-            color: *color,
-            width: 2.0,
-            stroke,
-            runs: vec![run],
-            of: Of::Points,
-        });
+        layers.push(line(one, k, run));
     }
     (!layers.is_empty()).then(|| Figure {
         title: Cow::Borrowed("Which frequencies the variance comes from"),
@@ -207,7 +206,7 @@ pub(super) fn lags(a: &Analysis) -> Option<Figure> {
     let found = a.integration()?;
     let mut layers = Vec::new();
     let (mut end, mut high, mut low) = (0.05f64, 1f64, 0f64);
-    for (one, color) in found.each.iter().zip(IN_TURN.iter().cycle()) {
+    for (k, one) in found.each.iter().enumerate() {
         let run: Vec<(f64, f64)> = distance_sums(one).into_iter().map(|[r, sum]| (r, sum)).collect();
         if run.is_empty() {
             continue;
@@ -217,16 +216,7 @@ pub(super) fn lags(a: &Analysis) -> Option<Figure> {
         low = run.iter().map(|p| p.1).fold(low, f64::min);
         // As far as it still changes.
         end = run.iter().rev().find(|p| (p.1 - last).abs() > 0.01 * (1.0 + last.abs())).map_or(end, |p| end.max(p.0));
-        let name = one.integrand.spec().split(':').next().unwrap_or_default();
-        let stroke = if layers.len() < IN_TURN.len() { Stroke::Solid } else { Stroke::Dashed };
-        layers.push(Layer::Line {
-            name: escape(name),
-            color: *color,
-            width: 2.0,
-            stroke,
-            runs: vec![run],
-            of: Of::Points,
-        });
+        layers.push(line(one, k, run));
     }
     (!layers.is_empty()).then(|| Figure {
         title: Cow::Borrowed("At which distances correlation acts"),
