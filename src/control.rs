@@ -23,6 +23,19 @@ pub struct Control {
     share: AtomicU64,
     /// How many equal pieces it comes in, less 1: each of them is told of as a whole.
     more: AtomicU64,
+    /// What was done: pairs, products, bytes.
+    done: [AtomicU64; 3],
+}
+
+/// Work, as the CPU path counts it while it does it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Done {
+    /// Pairs of points that were looked at.
+    pub pairs: u64,
+    /// Points times wave vectors; of a transform points times cells of a kernel, and its own additions.
+    pub products: u64,
+    /// Bytes of points, tables and grids that kernels read and wrote for it.
+    pub bytes: u64,
 }
 
 /// Steps of a whole piece of work.
@@ -63,6 +76,19 @@ impl Control {
     pub(crate) fn advance(&self, part: f64) {
         let pieces = (self.more.load(Ordering::Relaxed) + 1) as f64;
         self.share.fetch_add((part * WHOLE / pieces) as u64, Ordering::Relaxed);
+    }
+
+    /// Counts work that was done, from any thread.
+    pub(crate) fn did(&self, done: Done) {
+        for (sum, more) in self.done.iter().zip([done.pairs, done.products, done.bytes]) {
+            sum.fetch_add(more, Ordering::Relaxed);
+        }
+    }
+
+    /// The work that was done so far.
+    pub fn done(&self) -> Done {
+        let [pairs, products, bytes] = [0, 1, 2].map(|k| self.done[k].load(Ordering::Relaxed));
+        Done { pairs, products, bytes }
     }
 
     /// The part of it that is done, 0 to 1.

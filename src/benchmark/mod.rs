@@ -7,6 +7,7 @@ mod growth;
 mod kernel;
 mod naive;
 mod pairs;
+mod skipped;
 mod spectra;
 mod tables;
 mod timing;
@@ -28,6 +29,7 @@ use crate::samplers::{ParameterValues, Process, find_with_parameters};
 
 pub use efficiency::Efficiency;
 pub use growth::{Exponent, Grown};
+pub use skipped::Skipped;
 use timing::Care;
 pub use timing::{Machine, Timing};
 
@@ -47,9 +49,11 @@ pub enum Section {
     Samplers,
     /// How times grow, and how well plans know it.
     Growth,
+    /// Work that is done beside that of a plain implementation.
+    Skipped,
 }
 
-named!(Section: Pairs = "pairs", Kernel = "kernel", Spectrum = "spectrum", Variance = "variance", Samplers = "samplers", Growth = "growth");
+named!(Section: Pairs = "pairs", Kernel = "kernel", Spectrum = "spectrum", Variance = "variance", Samplers = "samplers", Growth = "growth", Skipped = "skipped");
 
 /// What is asked for.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -113,6 +117,8 @@ pub struct Benchmark {
     pub grown: Vec<Grown>,
     /// How they grow.
     pub exponents: Vec<Exponent>,
+    /// Work that was not done.
+    pub skipped: Vec<Skipped>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -151,7 +157,8 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
     let all = Section::ALL;
     let sections: Vec<Section> =
         all.iter().copied().filter(|s| wanted.sections.is_empty() || wanted.sections.contains(s)).collect();
-    let (mut scenes, mut efficiency, mut grown, mut exponents) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut scenes, mut efficiency, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut grown, mut exponents) = (Vec::new(), Vec::new());
     for (k, section) in sections.iter().enumerate() {
         control.begin();
         let (before, piece) = (k as f64 / sections.len() as f64, 1.0 / sections.len() as f64);
@@ -165,6 +172,7 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
             Section::Variance => scenes.extend(variance::scenes(&bench)?),
             Section::Samplers => efficiency = efficiency::measure(&bench)?,
             Section::Growth => (grown, exponents) = growth::measure(&bench)?,
+            Section::Skipped => skipped = skipped::measure(&bench)?,
         }
     }
     scenes.iter_mut().for_each(Scene::find_front);
@@ -173,7 +181,7 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
         warnings.extend(device.note().map(String::from));
     }
     warnings.dedup();
-    Ok(Benchmark { machine, scenes, efficiency, grown, exponents, warnings })
+    Ok(Benchmark { machine, scenes, efficiency, grown, exponents, skipped, warnings })
 }
 
 impl Bench<'_> {

@@ -77,6 +77,24 @@ fn exponents(all: &Benchmark) -> Table {
         .optional("exponent_planned", rows.iter().map(|e| e.planned))
 }
 
+/// `skipped.csv`: a row per scene.
+fn skipped(all: &Benchmark) -> Table {
+    let rows = &all.skipped;
+    let part = |done: u64, plain: u64| (plain > 0).then(|| done as f64 / plain as f64);
+    Table::new()
+        .text("scene", rows.iter().map(|s| s.scene.clone()))
+        .integers("pairs", rows.iter().map(|s| s.done.pairs))
+        .integers("pairs_plain", rows.iter().map(|s| s.plain.pairs))
+        .optional("pairs_part", rows.iter().map(|s| part(s.done.pairs, s.plain.pairs)))
+        .integers("products", rows.iter().map(|s| s.done.products))
+        .integers("products_plain", rows.iter().map(|s| s.plain.products))
+        .optional("products_part", rows.iter().map(|s| part(s.done.products, s.plain.products)))
+        .integers("bytes", rows.iter().map(|s| s.done.bytes))
+        .integers("bytes_plain", rows.iter().map(|s| s.plain.bytes))
+        .optional("bytes_part", rows.iter().map(|s| part(s.done.bytes, s.plain.bytes)))
+        .floats("seconds", rows.iter().map(|s| s.seconds))
+}
+
 /// All that have rows, by the names of their files.
 pub(super) fn all(all: &Benchmark) -> Vec<(&'static str, Table)> {
     let tables = [
@@ -84,6 +102,7 @@ pub(super) fn all(all: &Benchmark) -> Vec<(&'static str, Table)> {
         ("efficiency.csv", efficiency(all)),
         ("growth.csv", growth(all, &all.grown)),
         ("growth_exponents.csv", exponents(all)),
+        ("skipped.csv", skipped(all)),
     ];
     tables.into_iter().filter(|(_, table)| table.rows() > 0).collect()
 }
@@ -119,6 +138,11 @@ pub(super) fn text(all: &Benchmark) -> String {
         let heading =
             "errors of integrals and the time they take; efficiency: time of random points with the same error over it";
         let _ = write!(text, "\n{}", some_columns(heading, &columns, &efficiency(&part)));
+    }
+    if !all.skipped.is_empty() {
+        let columns = ["scene", "pairs", "pairs_part", "products", "products_part", "bytes_part", "seconds"];
+        let heading = "work that was done, and as a part of what a plain implementation does";
+        let _ = write!(text, "\n{}", some_columns(heading, &columns, &skipped(all)));
     }
     if !all.grown.is_empty() {
         let columns = ["of", "variable", "exponent", "exponent_planned"];

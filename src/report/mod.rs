@@ -109,8 +109,16 @@ const OF_SURVEYS: [&str; 9] = [
 const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv", "convergence.svg"];
 
 /// What a benchmark writes.
-const OF_BENCHMARK: [&str; 7] =
-    ["bench.csv", "efficiency.csv", "growth.csv", "growth_exponents.csv", "bench.svg", "efficiency.svg", "growth.svg"];
+const OF_BENCHMARK: [&str; 8] = [
+    "skipped.csv",
+    "bench.csv",
+    "efficiency.csv",
+    "growth.csv",
+    "growth_exponents.csv",
+    "bench.svg",
+    "efficiency.svg",
+    "growth.svg",
+];
 
 /// What a comparison of results writes.
 const OF_COMPARISON: [&str; 1] = ["comparison.csv"];

@@ -92,6 +92,26 @@ fn predictions_and_observations_agree_and_samplers_are_ranked() {
 }
 
 #[test]
+fn what_a_scene_does_not_need_is_not_done() {
+    let scratch = Scratch::new();
+    scratch.ok("bench --quick --only skipped --device cpu --out bench");
+    let all = rows(&scratch.path("bench"), "skipped.csv");
+    let of = |scene: &str| all.iter().find(|row| row["scene"].starts_with(scene)).unwrap_or_else(|| panic!("{scene}"));
+    // Cells look at the pairs near each other, of which there are n (n - 1) / 2 pi r^2, and some around them.
+    let near = of("g at distances below 0.01");
+    let needed = std::f64::consts::PI * 0.01f64.powi(2) * number(near, "pairs_plain");
+    assert!((needed..20.0 * needed).contains(&number(near, "pairs")), "{near:?}");
+    // P by symmetry and transforms, by a part of the modes, and none of it again for pairs alone.
+    assert!(number(of("radial mean of P, "), "products_part") < 0.5);
+    assert!(number(of("radial mean of P by 8 directions"), "products_part") < 0.2);
+    let again = of("g and P again");
+    assert!(number(again, "pairs") == 0.0 && number(again, "products") > 0.0, "{again:?}");
+    // A batch that is known well enough is not gone on with.
+    let enough = of("g(0.05) to 0.02");
+    assert!(enough["scene"].contains(" of 400") && number(enough, "pairs_part") < 0.9, "{enough:?}");
+}
+
+#[test]
 fn what_cannot_be_timed_says_why() {
     let scratch = Scratch::new();
     for (line, code, why) in [

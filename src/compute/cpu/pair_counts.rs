@@ -27,7 +27,7 @@ use super::table_bins::TableBins;
 use crate::accumulate::{PairCounts, PairHistogram};
 use crate::compute::Compute;
 use crate::compute::cells::{Neighbourhood, SortedPoints};
-use crate::control::Control;
+use crate::control::{Control, Done};
 use crate::error::Result;
 use crate::plan::{BinFilter, PairPlan, PairSearch};
 use crate::points::geometry;
@@ -71,6 +71,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                     tally.count(cpu.level, plan, &filter, &near, &set, block);
                 }
                 sums.add(&tally.take(&set));
+                tally.tell(&set, control);
                 control.advance(1.0 / realizations as f64);
             }
         });
@@ -93,6 +94,7 @@ pub(super) fn pair_counts(cpu: &Cpu, plan: &PairPlan, ensemble: &Ensemble, contr
                 control.check()?;
                 let block = next.fetch_add(1, Ordering::Relaxed);
                 if block >= set.blocks() {
+                    tally.tell(&set, control);
                     return Ok(tally.take(&set));
                 }
                 tally.count(cpu.level, plan, &filter, &near, &set, block);
@@ -264,6 +266,8 @@ struct Tally {
     stream: Stream,
     /// Pairs that went into `short` since it was last emptied.
     pending: u64,
+    /// Pairs that were looked at since it was told.
+    seen: u64,
     counts: Vec<u64>,
     weights: Option<WeightSums>,
     undecided: Vec<Undecided>,
@@ -286,6 +290,7 @@ impl Tally {
             stride,
             stream: Stream::new(),
             pending: 0,
+            seen: 0,
             counts: vec![0; bins],
             weights: WeightSums::new(plan),
             undecided: Vec::new(),
@@ -349,6 +354,8 @@ impl Tally {
             self.empty();
         }
         self.pending += pairs;
+        // A row of a triangle has those after it.
+        self.seen += pairs - if triangle { (rows.len() * (rows.len() + 1) / 2) as u64 } else { 0 };
         let own: Vec<&[u32]> = set.rounded.iter().map(Vec::as_slice).collect();
         let others: Vec<&[u32]> = columns.axes.iter().map(Vec::as_slice).collect();
         let periods = set.rounded_periods;
@@ -392,6 +399,12 @@ impl Tally {
                 counts[bin] += 1;
             }
         }
+    }
+
+    /// Tells of the pairs that were looked at: of each, the coordinates of a partner were read.
+    fn tell(&mut self, set: &Set<'_>, control: &Control) {
+        let pairs = std::mem::take(&mut self.seen);
+        control.did(Done { pairs, bytes: pairs * 4 * set.rounded.len() as u64, ..Done::default() });
     }
 
     /// Moves the short counters into the long ones, before they can overflow.

@@ -19,7 +19,7 @@ use super::product::{Element, FEWEST_POINTS, Operand, product};
 use super::simd::{self, SimdLevel};
 use super::wave_power::{Method, WavePoints};
 use crate::compute::coprime_from;
-use crate::control::Control;
+use crate::control::{Control, Done};
 use crate::error::Result;
 use crate::plan::{PANEL, WaveGrid};
 
@@ -331,6 +331,12 @@ impl<T: Real> Scratch<T> {
                 T::join_panels(level, &mut self.sums, &self.panels);
             }
         }
+        // Lines and columns are cosines and sines: four products make two modes.
+        let modes: usize = tile.blocks.iter().map(|block| block.lines * block.width / 2).sum();
+        let products = (n * (modes + (rows + columns) / 2)) as u64;
+        // Tables are written and read.
+        let bytes = (n * (2 * (left_stride + right_stride) * size_of::<T>() + 8 * points.axes.len())) as u64;
+        control.did(Done { products, bytes, ..Done::default() });
         Ok(())
     }
 

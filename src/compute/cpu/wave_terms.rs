@@ -8,7 +8,7 @@ use super::phase_tables::turn_f64;
 use super::simd;
 use super::wave_power::{Method, WavePoints};
 use super::{Cpu, SimdLevel};
-use crate::control::Control;
+use crate::control::{Control, Done};
 use crate::error::Result;
 use crate::plan::WaveList;
 
@@ -77,6 +77,8 @@ impl Method for Terms<'_> {
                 }
             }
         }
+        let products = (points.len() * vectors.len()) as u64;
+        control.did(Done { products, bytes: products * 8 * points.axes.len() as u64, ..Done::default() });
         for (k, [cos, sin]) in totals.into_iter().enumerate() {
             let s = if self.list.vectors[first + k] == [0.0; 3] {
                 [points.total_weight(), 0.0]

@@ -23,7 +23,7 @@ use self::kernel::SpreadingKernel;
 use self::spread::{FineGrid, Sorted};
 use self::transform::{Cut, Transform, Worker};
 use super::SimdLevel;
-use crate::control::Control;
+use crate::control::{Control, Done};
 use crate::error::Result;
 use crate::memory::Memory;
 use crate::plan::{NufftSizes, WaveGrid};
@@ -136,6 +136,11 @@ impl Nufft {
         workers.resize_with(threads.max(workers.len()), Worker::default);
         self.transform.grid().sort(points, sorted, pool, control)?;
         let cut = self.cut(threads);
+        // Every point is added to the cells of its kernel; a Fourier transform takes about log2 of its cells additions of each.
+        let (n, cells) = (points.axes[0].len() as u64, self.sizes.fine_cells());
+        let spread = n * (self.sizes.width as u64).pow(self.sizes.axes.len() as u32);
+        let turned = (cells * cells.max(2.0).log2()) as u64;
+        control.did(Done { products: spread + turned, bytes: 16 * (spread + cells as u64), ..Done::default() });
         self.transform.run(sorted, (columns, workers), (cut, pool), control, finish, out)
     }
 }
