@@ -40,7 +40,7 @@ struct Picture {
 
 fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
     let path = Path::new(given.text("file")?);
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+    let bytes = crate::input::read(path)?;
     let wrong = |reason: String| Error::input(path.display().to_string(), reason);
     let picture = decode(bytes).map_err(wrong)?;
     let Picture { width, height, values } = &picture;

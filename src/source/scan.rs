@@ -29,6 +29,9 @@ const START: &str = "{\"pairwave_scan\":";
 /// Of the form of the file.
 const VERSION: u32 = 1;
 
+/// More points than any file holds in one realization.
+const MOST: u64 = 1 << 40;
+
 /// What a look at all files of a batch finds: how many realizations and points each has, the domain, classes, the scale of weights, what is remarked.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Scan {
@@ -113,6 +116,10 @@ impl Scan {
         let scanned = files.files.iter().map(|(first, file)| {
             let path = std::path::absolute(file.path()).map_err(|e| Error::file(file.path(), e))?;
             let stamp = Stamp::of(&path)?;
+            if path.to_str().is_none() {
+                let reason = "has a name that is no UTF-8, which a scan cannot hold; expected another name";
+                return Err(Error::input(path.display().to_string(), reason));
+            }
             if before.get(&path).is_some_and(|before| *before != stamp) {
                 return Err(Error::input(path.display().to_string(), "changed while files were scanned; scan again"));
             }
@@ -171,9 +178,13 @@ impl Scan {
     /// # Errors
     /// A scan that is damaged, or of another version.
     pub fn read(path: &Path) -> Result<Option<Self>> {
+        // Of a pipe nothing may be read that its reader would miss.
+        if !path.is_file() {
+            return Ok(None);
+        }
         let mut start = [0; START.len()];
         let begins = File::open(path).and_then(|mut file| file.read_exact(&mut start));
-        if path.is_dir() || begins.is_err() || start != START.as_bytes() {
+        if begins.is_err() || start != START.as_bytes() {
             return Ok(None);
         }
         let bytes = fs::read(path).map_err(|e| Error::file(path, e))?;
@@ -183,11 +194,12 @@ impl Scan {
             let version = scan.pairwave_scan;
             return Err(wrong(format!("is of version {version} of scans; this program reads version {VERSION}")));
         }
+        let most = scan.sizes.iter().map(|size| size[1]).max().unwrap_or(0);
         let total: u128 = scan.sizes.iter().map(|&[run, _]| u128::from(run)).sum();
         let in_order =
             scan.files.is_sorted_by(|a, b| a.first <= b.first) && scan.files.first().is_some_and(|f| f.first == 0);
         let last = scan.files.last().map_or(0, |file| file.first);
-        if !in_order || u128::from(last) > total || total > 1 << 62 {
+        if !in_order || u128::from(last) > total || total > 1 << 62 || most > MOST {
             return Err(wrong("has files whose realizations cannot be".into()));
         }
         Ok(Some(scan))

@@ -82,3 +82,32 @@ fn settings_by_which_files_were_read_are_those_of_the_scan() {
     scratch.file("old.scan", &text.replacen("{\"pairwave_scan\":1", "{\"pairwave_scan\":9", 1));
     scratch.fails("analyze old.scan --device cpu", 1, "is of version 9 of scans; this program reads version 1");
 }
+
+#[test]
+fn a_scan_that_cannot_be_is_an_error() {
+    let scratch = Scratch::new();
+    scratch.ok("sample random -n 20 -k 20 --quiet --out batch.npy");
+    scratch.ok("scan batch.npy --quiet --out batch.scan");
+    for arguments in
+        ["analyze batch.scan batch.npy", "scan batch.scan --out other.scan", "analyze batch.scan --projections"]
+    {
+        scratch.fails(arguments, 1, "batch.scan: a scan of pairwave, which is not read here; give it alone");
+    }
+    let text = std::fs::read_to_string(scratch.path("batch.scan")).unwrap();
+    assert!(text.contains("[[20,20]]"), "{text}");
+    scratch.file("huge.scan", &text.replace("[[20,20]]", "[[20,4611686018427387904]]"));
+    scratch.fails("analyze huge.scan --device cpu", 1, "huge.scan: has files whose realizations cannot be");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_a_scan_cannot_hold_is_an_error() {
+    use std::os::unix::ffi::OsStrExt;
+    let scratch = Scratch::new();
+    let name = std::ffi::OsStr::from_bytes(b"\xff.csv");
+    std::fs::write(scratch.0.path().join(name), "0.1 0.2\n0.3 0.4\n").unwrap();
+    let output = scratch.command().arg("scan").arg(name).args(["--out", "a.scan"]).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && errors.contains("has a name that is no UTF-8"), "{errors}");
+    assert!(!scratch.path("a.scan").exists());
+}

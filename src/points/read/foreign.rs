@@ -18,6 +18,7 @@ const ATOMS: &str = "save the positions with MDAnalysis or ASE and numpy as .npy
 const OVITO: &str = "write the positions as CSV with a header x,y,z, or with OVITO and numpy as .npy, shape (K, n, d)";
 const PICTURE: &str = "find the points in it first, and write their coordinates as CSV with a header x,y";
 const UNPACK: &str = "unpack it first";
+const SCAN: &str = "give it alone, as the files it stands for, to analyze or integrate";
 
 /// What files begin with.
 const MAGICS: [(&[u8], Named); 55] = [
@@ -164,6 +165,9 @@ fn text(bytes: &[u8]) -> Option<Named> {
         return Some(markup(&head));
     }
     if first.starts_with('{') || first.starts_with('[') {
+        if first.starts_with("{\"pairwave_scan\":") {
+            return Some(("a scan of pairwave", SCAN));
+        }
         // A header may begin with a bracket; an array of numbers closes none before the next opens.
         let json = first.starts_with('{')
             || first[1..].trim_start().starts_with(['[', '{', '"', '-'])
