@@ -1,7 +1,7 @@
 //! A measurement carried out to its end, or as far as it comes: what is done is kept on the way.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -10,9 +10,11 @@ use super::{Analysis, Measurement, Plan};
 use crate::compute::Device;
 use crate::control::{Control, Instant, Known, Progress};
 use crate::error::{Error, Result, plural};
+use crate::input;
 use crate::plan::LEAF;
-use crate::report::{SUMS, SUMS_NEW};
+use crate::report::SUMS;
 use crate::setting::Setting;
+use crate::stage;
 use crate::statistics::measured::median_error;
 use crate::statistics::targets::{Standing, Standings, Target, look_from, next_look};
 
@@ -253,17 +255,15 @@ impl Measurement {
     /// # Errors
     /// What the file system says; what was there before stays.
     pub fn save(&self, dir: &Path) -> Result<()> {
-        let (path, new) = (dir.join(SUMS), dir.join(SUMS_NEW));
+        let path = dir.join(SUMS);
         let written = fs::create_dir_all(dir).and_then(|()| {
-            let mut file = fs::File::create(&new)?;
+            // Of a name of its own: another run may be writing here.
+            let mut file = stage::file_within(dir)?;
             file.write_all(&self.write())?;
-            file.sync_all()?;
-            fs::rename(&new, &path)
+            file.as_file().sync_all()?;
+            file.persist(&path).map_err(|e| e.error)
         });
-        written.map_err(|e| {
-            let _ = fs::remove_file(&new);
-            Error::file(path, e)
-        })
+        written.map(drop).map_err(|e| Error::file(path, e))
     }
 
     /// The sums in a directory, or in a file.
@@ -272,15 +272,11 @@ impl Measurement {
     /// What cannot be read, or is no file of sums.
     pub fn load(path: &Path) -> Result<Self> {
         let file = if path.is_dir() { path.join(SUMS) } else { path.to_path_buf() };
-        let bytes = fs::read(&file).map_err(|e| match e.kind() {
-            io::ErrorKind::NotFound if path.is_dir() => {
-                let reason = format!(
-                    "holds no {SUMS}; expected a directory that `shard`, `keep_sums` or an unfinished run left"
-                );
-                Error::input(path.display().to_string(), reason)
-            }
-            _ => Error::file(&file, e),
-        })?;
-        Self::read(&file.display().to_string(), &bytes)
+        if path.is_dir() && !file.exists() {
+            let reason =
+                format!("holds no {SUMS}; expected a directory that `shard`, `keep_sums` or an unfinished run left");
+            return Err(Error::input(path.display().to_string(), reason));
+        }
+        Self::read(&file.display().to_string(), &input::read(&file)?)
     }
 }
