@@ -236,6 +236,10 @@ impl Analyze {
                 let beside = self.batch.beside(Some(&sums), asked.settings.as_deref());
                 uninterrupted(|| report::write_with(out, &found, beside, force)).map(drop)
             }
+            None if !self.force && !self.batch.owns() && out.join(report::SUMS).exists() => {
+                let reason = "holds sums that another run has written meanwhile; expected a directory for each part";
+                Err(Error::input(out.display().to_string(), reason))
+            }
             None => uninterrupted(|| measurement.save(out)),
         };
         let kept = match &written {

@@ -381,3 +381,22 @@ fn two_runs_in_one_directory_keep_whole_sums() {
     assert!(bytes(&scratch.path("whole")) == bytes(&scratch.path("out")));
     assert!(!stages(&scratch.path("out")));
 }
+
+/// Parts that were given one directory by mistake: the first keeps what it wrote, the second says so.
+#[test]
+fn a_part_replaces_no_other() {
+    let scratch = Scratch::new();
+    let run = RUN.replace("-k 70", "-k 100000");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+    command.current_dir(scratch.0.path()).env("XDG_RUNTIME_DIR", scratch.0.path());
+    command.args(format!("analyze {run} --shard 1/2 --time-limit 1 --out out").split_whitespace());
+    let running = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    // Before the second is over, which its time sees to.
+    std::thread::sleep(Duration::from_millis(300));
+    std::fs::create_dir_all(scratch.path("out")).unwrap();
+    scratch.file("out/partial.sums", "another part");
+    let output = running.wait_with_output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && told.contains("holds "), "{told}");
+    assert_eq!(std::fs::read_to_string(scratch.path("out/partial.sums")).unwrap(), "another part");
+}
