@@ -26,6 +26,8 @@ pub const TARGETS: &[Target] = &[
     ("points_lammps", |bytes| points("a.dump", bytes)),
     ("points_geojson", |bytes| points("a.geojson", bytes)),
     ("points_vtk", |bytes| points("a.vtk", bytes)),
+    // Read with the feature `tables`, named and refused without it.
+    ("points_parquet", |bytes| points("a.parquet", bytes)),
     ("polygon", polygon),
     ("frequencies", frequencies),
     ("sums", sums),

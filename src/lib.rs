@@ -77,6 +77,7 @@ pub mod display;
 mod error;
 pub mod estimate;
 mod fourier;
+pub mod input;
 pub mod integrand;
 mod memory;
 mod named;

@@ -1,16 +1,18 @@
 //! Parts of a measurement: cut, gone on with, added to, kept in files and read from them.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 
 use super::{Measurement, Plan};
 use crate::compute::Device;
 use crate::error::{Error, Result, plural};
+use crate::input;
 use crate::plan::LEAF;
-use crate::report::{SUMS, SUMS_NEW};
+use crate::report::SUMS;
 use crate::setting::Setting;
+use crate::stage;
 
 impl Measurement {
     /// `512 of 1024 realizations`.
@@ -86,17 +88,15 @@ impl Measurement {
     /// # Errors
     /// What the file system says; what was there before stays.
     pub fn save(&self, dir: &Path) -> Result<()> {
-        let (path, new) = (dir.join(SUMS), dir.join(SUMS_NEW));
+        let path = dir.join(SUMS);
         let written = fs::create_dir_all(dir).and_then(|()| {
-            let mut file = fs::File::create(&new)?;
+            // Of a name of its own: another run may be writing here.
+            let mut file = stage::file_within(dir)?;
             file.write_all(&self.write())?;
-            file.sync_all()?;
-            fs::rename(&new, &path)
+            file.as_file().sync_all()?;
+            file.persist(&path).map_err(|e| e.error)
         });
-        written.map_err(|e| {
-            let _ = fs::remove_file(&new);
-            Error::file(path, e)
-        })
+        written.map(drop).map_err(|e| Error::file(path, e))
     }
 
     /// The sums in a directory, or in a file.
@@ -105,15 +105,11 @@ impl Measurement {
     /// What cannot be read, or is no file of sums.
     pub fn load(path: &Path) -> Result<Self> {
         let file = if path.is_dir() { path.join(SUMS) } else { path.to_path_buf() };
-        let bytes = fs::read(&file).map_err(|e| match e.kind() {
-            io::ErrorKind::NotFound if path.is_dir() => {
-                let reason = format!(
-                    "holds no {SUMS}; expected a directory that `shard`, `keep_sums` or an unfinished run left"
-                );
-                Error::input(path.display().to_string(), reason)
-            }
-            _ => Error::file(&file, e),
-        })?;
-        Self::read(&file.display().to_string(), &bytes)
+        if path.is_dir() && !file.exists() {
+            let reason =
+                format!("holds no {SUMS}; expected a directory that `shard`, `keep_sums` or an unfinished run left");
+            return Err(Error::input(path.display().to_string(), reason));
+        }
+        Self::read(&file.display().to_string(), &input::read(&file)?)
     }
 }

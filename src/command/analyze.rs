@@ -236,6 +236,10 @@ impl Analyze {
                 Err(Error::File { .. }) => uninterrupted(|| measurement.save(out)),
                 written => written.map(drop),
             },
+            None if !self.force && !self.batch.owns() && out.join(report::SUMS).exists() => {
+                let reason = "holds sums that another run has written meanwhile; expected a directory for each part";
+                Err(Error::input(out.display().to_string(), reason))
+            }
             None => uninterrupted(|| measurement.save(out)),
         };
         let kept = match &written {

@@ -64,7 +64,7 @@ type Entries = std::collections::BTreeMap<toml::Spanned<String>, Value>;
 
 impl Config {
     fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
+        let text = pairwave::input::read_text(path)?;
         let place = |offset: usize| format!("{}:{}", path.display(), line(&text, offset));
         let entries: Entries = toml::from_str(&text).map_err(|e| {
             let reason = format!("is no TOML: {}", e.message());
@@ -126,7 +126,10 @@ impl Config {
         let (mut arguments, mut used) = (Vec::new(), Vec::new());
         for (key, value) in self.settings.iter().filter(|(key, _)| key.get_ref() != COMMAND) {
             let name = dashed(key.get_ref());
-            let found = command.get_arguments().find(|arg| named(arg) == name).filter(|arg| arg.get_id() != "config");
+            let found = command
+                .get_arguments()
+                .find(|arg| named(arg) == name)
+                .filter(|arg| !["config", "help", "version"].contains(&arg.get_id().as_str()));
             let Some(arg) = found else {
                 return Err(self.fault(key, unknown(&name, command)));
             };
@@ -245,6 +248,7 @@ fn taken(typed: &mut Vec<OsString>) -> Result<Option<PathBuf>> {
     let Some(at) = typed[..end].iter().position(is) else { return Ok(None) };
     let word = typed.remove(at).to_string_lossy().into_owned();
     let path = match word.split_once('=') {
+        Some((_, "")) => return Err(Error::input("--config", "expected a file of settings, as run.toml")),
         Some((_, path)) => path.into(),
         None if at < typed.len() => typed.remove(at),
         None => return Err(Error::input("--config", "expected a file of settings, as run.toml")),

@@ -24,31 +24,51 @@ pub(crate) struct Convergence {
     samplers: Vec<String>,
 
     /// Numbers of points, 2^4..2^12 (doubled) or 100,200,500
-    #[arg(short = 'n', long = "points", help_heading = "Points", value_name = "LO..HI", requires = "samplers")]
+    #[arg(
+        short = 'n',
+        long = "points",
+        help_heading = "Points",
+        value_name = "LO..HI",
+        requires = "samplers",
+        conflicts_with = "files"
+    )]
     points: Option<Prefixes>,
 
     /// Number of realizations of each number of points
-    #[arg(short = 'k', long = "realizations", help_heading = "Points", value_name = "K", requires = "samplers")]
+    #[arg(
+        short = 'k',
+        long = "realizations",
+        help_heading = "Points",
+        value_name = "K",
+        requires = "samplers",
+        conflicts_with = "files"
+    )]
     realizations: Option<u64>,
 
     /// Dimension, 1 to 3
-    #[arg(long, help_heading = "Points", value_name = "D", requires = "samplers")]
+    #[arg(long, help_heading = "Points", value_name = "D", requires = "samplers", conflicts_with = "files")]
     dim: Option<usize>,
 
     /// Seed, from which each number of points has its own
-    #[arg(long, help_heading = "Points", requires = "samplers")]
+    #[arg(long, help_heading = "Points", requires = "samplers", conflicts_with = "files")]
     seed: Option<u64>,
 
     /// A parameter of every sampler that has it; may be repeated
-    #[arg(long = "param", help_heading = "Points", value_name = "KEY=VALUE", requires = "samplers")]
+    #[arg(
+        long = "param",
+        help_heading = "Points",
+        value_name = "KEY=VALUE",
+        requires = "samplers",
+        conflicts_with = "files"
+    )]
     params: Vec<String>,
 
     /// The first points of every realization in the files instead, 2^4..2^12 or 100,200,500
-    #[arg(long, help_heading = "Points", value_name = "LO..HI", requires = "files")]
+    #[arg(long, help_heading = "Points", value_name = "LO..HI", requires = "files", conflicts_with = "samplers")]
     prefixes: Option<Prefixes>,
 
     /// Columns of the coordinates, as in x,y
-    #[arg(long, help_heading = "Points", value_name = "C1,C2[,C3]", requires = "files")]
+    #[arg(long, help_heading = "Points", value_name = "C1,C2[,C3]", requires = "files", conflicts_with = "samplers")]
     columns: Option<String>,
 
     /// Sides of the torus
@@ -56,7 +76,7 @@ pub(crate) struct Convergence {
     sides: Option<Vec<f64>>,
 
     /// Fold points outside the torus back in
-    #[arg(long, help_heading = "Points", requires = "files")]
+    #[arg(long, help_heading = "Points", requires = "files", conflicts_with = "samplers")]
     wrap: bool,
 
     /// An integrand, NAME or NAME:key=value,...; may be repeated

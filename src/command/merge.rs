@@ -42,6 +42,7 @@ pub(crate) struct Merge {
 
 impl Merge {
     pub(crate) fn run(self) -> Result<()> {
+        report::check_not_read(&self.out, &self.parts)?;
         report::check_out(&self.out, self.force)?;
         let control = stop_on_interrupt()?;
         let mut parts = self.parts.iter();

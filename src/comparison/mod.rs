@@ -185,8 +185,21 @@ impl Comparison {
         let axis = axis::of(stem);
         let (along, curves) = (axis.places(measured, both[0])?, axis.curves(&a, both[0].len()));
         let others = measured.columns(&b);
-        for column in measured.columns(&a) {
+        let mine = measured.columns(&a);
+        let has = |columns: &[Column<'_>], name: &str| columns.iter().any(|column| column.name == name);
+        for (columns, against, which) in [(&mine, &others, "first"), (&others, &mine, "other")] {
+            let alone = columns.iter().filter(|column| !has(against, column.name));
+            self.notes.extend(alone.map(|column| format!("{stem}.{} is in the {which} alone", column.name)));
+        }
+        for column in mine {
             let Some(other) = others.iter().find(|other| other.name == column.name) else { continue };
+            if column.follows_realizations() && freedom[0] != freedom[1] {
+                let name = column.name;
+                self.notes.push(format!(
+                    "{stem}.{name} falls with the number of realizations, and is not compared: they differ"
+                ));
+                continue;
+            }
             let start = self.values.len();
             let figure = format!("{stem}.{}", column.name);
             let scale = [(both[0], &column), (both[1], other)].map(|(table, column)| column.scale(table.len()));

@@ -40,7 +40,7 @@ struct Picture {
 
 fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
     let path = Path::new(given.text("file")?);
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+    let bytes = crate::input::read(path)?;
     let wrong = |reason: String| Error::input(path.display().to_string(), reason);
     let picture = decode(bytes).map_err(wrong)?;
     let Picture { width, height, values } = &picture;
@@ -88,6 +88,11 @@ fn png(bytes: Vec<u8>) -> Result<Picture, String> {
     let mut reader = decoder.read_info().map_err(damaged)?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     let count = sized(width, height)?;
+    // The library takes its length at its word.
+    let palette = reader.info().palette.as_ref().map_or(0, |palette| palette.len());
+    if !palette.is_multiple_of(3) || palette > 3 * 256 {
+        return Err(format!("damaged PNG: a palette of {palette} bytes; expected up to 256 colours of 3 bytes"));
+    }
     let size = reader.output_buffer_size().ok_or("too large a PNG")?;
     // What is compressed by Deflate is that much larger at most.
     if size / 1032 > length {

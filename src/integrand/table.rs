@@ -26,7 +26,7 @@ pub(super) static ENTRY: Entry = Entry {
 
 fn make(given: &Given<'_>) -> Result<Arc<dyn Shape>> {
     let path = Path::new(given.text("file")?);
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+    let bytes = crate::input::read(path)?;
     let wrong = |reason: String| Error::input(path.display().to_string(), reason);
     let is_npy = bytes.starts_with(b"\x93NUMPY");
     let (shape, values) = match (is_npy, given.dim) {

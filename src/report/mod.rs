@@ -50,9 +50,6 @@ const SUMMARY: &str = "summary.json";
 /// The raw sums of a result, or of a run that is not over.
 pub const SUMS: &str = "partial.sums";
 
-/// The same while they are being written.
-pub(crate) const SUMS_NEW: &str = "partial.sums.new";
-
 /// The settings that a result was made by, where a command line was.
 pub const SETTINGS: &str = "run.toml";
 
@@ -88,8 +85,13 @@ fn names() -> Vec<&'static str> {
         .chain(OF_CONVERGENCE)
         .chain(OF_COMPARISON)
         .chain(OF_BENCHMARK)
-        .chain([NUMBERS, SUMS, SUMS_NEW, SETTINGS, PAGE, SUMMARY])
+        .chain([NUMBERS, SUMS, SETTINGS, PAGE, SUMMARY])
         .collect()
+}
+
+/// Whether a file has the name of one that a result has.
+pub(crate) fn is_own(path: &Path) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(|name| names().contains(&name))
 }
 
 /// What a survey writes.
@@ -176,22 +178,18 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
 /// # Errors
 /// A file that is there already, without `force`; a place where there can be none.
 pub fn check_file(path: &Path, force: bool) -> Result<()> {
-    if path.symlink_metadata().is_ok() && !force || path.is_dir() {
-        let reason =
-            if path.is_dir() { "is a directory; expected a file" } else { "is there already; `force` replaces it" };
-        return Err(Error::setting(Setting::Out, path.display(), reason));
-    }
-    Ok(())
+    plot::check_file(Setting::Out, path, force)
 }
 
-/// Whether a file or directory that is to be written is none of those that are read.
+/// Whether a file or directory that is to be written is none of those that are read, nor the result that a file is of.
 ///
 /// # Errors
 /// The one that would be replaced.
 pub fn check_not_read(out: &Path, read: &[PathBuf]) -> Result<()> {
     let Ok(out) = out.canonicalize() else { return Ok(()) };
     let all = read.iter().cloned().chain(crate::points::read::paths(read));
-    match all.filter_map(|path| path.canonicalize().ok()).find(|path| *path == out) {
+    let of_result = |path: &Path| path.parent() == Some(&out) && is_own(path);
+    match all.filter_map(|path| path.canonicalize().ok()).find(|path| *path == out || of_result(path)) {
         Some(path) => {
             Err(Error::setting(Setting::Out, path.display(), "is read, and would be replaced; expected another"))
         }

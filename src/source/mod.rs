@@ -30,8 +30,8 @@ use crate::error::{Error, Result, number, numbers};
 use crate::estimate::Inhomogeneity;
 use crate::plan::MEMORY_BUDGET;
 use crate::points::read::{
-    Columns, Found, Input, MarkedPoints, OnBroken, PointFile, ReadOptions, TypedColumns, each_piece, extension,
-    folders_left_out, is_stdin, read_bytes,
+    Columns, Found, Input, MarkedPoints, OnBroken, ReadOptions, TypedColumns, each_piece, extension, folders_left_out,
+    lasts, read_bytes,
 };
 use crate::points::{Boundary, Domain, Ensemble, EnsembleShape, RawPoints, counts_in_pairs};
 use crate::request::{PointsRequest, refuse_settings_of_samplers};
@@ -184,8 +184,8 @@ impl Points {
         let mut pass = FirstPass::new(request)?;
         folders_left_out(&request.files).iter().for_each(|note| pass.remarks.note(note));
         let (mut held, mut bytes) = (Some(Vec::new()), 0);
-        let (mut files, mut first) = (Vec::new(), 0);
-        let may_restart = like.is_none() && !request.files.iter().any(|file| is_stdin(file));
+        let (mut files, mut first, mut all_last) = (Vec::new(), 0, true);
+        let may_restart = like.is_none() && request.files.iter().all(|file| lasts(file));
         let on_broken = if request.keep_going { OnBroken::LeaveOut { like } } else { OnBroken::Stop };
         each_piece(&request.files, &options, &columns, on_broken, |found| {
             control.check()?;
@@ -207,14 +207,14 @@ impl Points {
             }
             if let Some(file) = file {
                 pass.remarks.input.files += 1;
-                let lasts = file.lasts() && files.iter().all(|(_, file): &(u64, PointFile)| file.lasts());
+                all_last &= file.lasts();
                 files.push((first, file));
                 first = pass.sizes.len() as u64;
                 // What was there once, and not again, is kept whatever it takes.
-                if bytes > budget && lasts {
+                if bytes > budget && all_last {
                     held.take().map_or(Ok(()), |held| pass.check(&held))?;
                 }
-            } else if bytes > budget && files.iter().all(|(_, file)| file.lasts()) {
+            } else if bytes > budget && all_last {
                 held.take().map_or(Ok(()), |held| pass.check(&held))?;
             }
             Ok(())

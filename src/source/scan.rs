@@ -25,6 +25,9 @@ use crate::setting::Setting;
 /// Of the form of the file.
 const VERSION: u32 = 1;
 
+/// More points than any file holds in one realization.
+const MOST: u64 = 1 << 40;
+
 /// What a look at all files of a batch finds: how many realizations and points each has, the domain, classes, the scale of weights, what is remarked.
 #[derive(Debug, Clone)]
 pub struct Scan {
@@ -117,6 +120,10 @@ impl Scan {
         let scanned = files.files.iter().map(|(first, file)| {
             let path = std::path::absolute(file.path()).map_err(|e| Error::file(file.path(), e))?;
             let stamp = Stamp::of(&path)?;
+            if path.to_str().is_none() {
+                let reason = "has a name that is no UTF-8, which a scan cannot hold; expected another name";
+                return Err(Error::input(path.display().to_string(), reason));
+            }
             if before.get(&path).is_some_and(|before| *before != stamp) {
                 return Err(Error::input(path.display().to_string(), "changed while files were scanned; scan again"));
             }
@@ -191,7 +198,8 @@ impl Scan {
         let in_order =
             body.files.is_sorted_by(|a, b| a.first <= b.first) && body.files.first().is_some_and(|f| f.first == 0);
         let last = body.files.last().map_or(0, |file| file.first);
-        if !in_order || u128::from(last) > total || total > 1 << 62 {
+        let most = body.sizes.iter().map(|size| size[1]).max().unwrap_or(0);
+        if !in_order || u128::from(last) > total || total > 1 << 62 || most > MOST {
             return Err(wrong("has files whose realizations cannot be".into()));
         }
         Ok(Some((path, Self { head, body })))
@@ -267,9 +275,12 @@ pub(super) struct Remarked {
 impl Head {
     /// The head of a file, if it is a scan, and what is behind it.
     fn read(path: &Path) -> Result<Option<(Self, BufReader<File>)>> {
-        let Ok(mut file) = File::open(path).map(BufReader::new) else { return Ok(None) };
+        // Of a pipe nothing may be read that its reader would miss.
+        let Some(mut file) = path.is_file().then(|| File::open(path).ok()).flatten().map(BufReader::new) else {
+            return Ok(None);
+        };
         let mut line = vec![0; SCAN.len()];
-        if path.is_dir() || file.read_exact(&mut line).is_err() || line != SCAN.as_bytes() {
+        if file.read_exact(&mut line).is_err() || line != SCAN.as_bytes() {
             return Ok(None);
         }
         file.read_until(b'\n', &mut line).map_err(|e| Error::file(path, e))?;

@@ -103,6 +103,11 @@ pub(crate) fn number(cell: &str) -> Result<Option<f64>, String> {
 }
 
 impl<'a> Column<'a> {
+    /// Whether the value itself, not its error alone, follows from how many realizations there are: anisotropy is what they leave of chance.
+    pub(crate) fn follows_realizations(&self) -> bool {
+        self.name == "anisotropy_db"
+    }
+
     /// The largest magnitude of its values.
     pub(crate) fn scale(&self, rows: usize) -> f64 {
         let values = (0..rows).filter_map(|row| self.at(row).ok().flatten());
@@ -174,7 +179,8 @@ impl Measured {
         let mut given = place.splitn(words, ',').map(str::trim);
         let told: Vec<String> = self.keys.iter().map(|key| key.words()).collect();
         let mut next = || given.next().ok_or_else(|| format!("expected {}", told.join(",")));
-        let parsed = |text: &str| number(text).ok().flatten().ok_or_else(|| format!("{text} is no number"));
+        let parsed =
+            |text: &str| number(text).ok().flatten().ok_or_else(|| format!("has no place {text:?}; expected a number"));
         let of = |name: &str| cells.find(name).ok_or_else(|| format!("there is no column {name}"));
         for key in self.keys {
             match key {

@@ -197,6 +197,11 @@ fn realizations_are_added_to_a_result() {
     assert!(!scratch.path("less").exists());
 }
 
+/// Whether something half-written is left in a directory.
+fn stages(dir: &Path) -> bool {
+    std::fs::read_dir(dir).unwrap().any(|entry| entry.unwrap().file_name().to_string_lossy().starts_with(".pairwave-"))
+}
+
 /// A run that writes its sums as often as it can, killed again and again.
 #[test]
 fn killed_at_any_moment_nothing_that_was_kept_is_lost() {
@@ -235,7 +240,7 @@ fn killed_at_any_moment_nothing_that_was_kept_is_lost() {
     }
     assert!(kills > 3, "{kills} kills");
     assert_same(&scratch, "whole", "out");
-    assert!(!scratch.path("out/partial.sums.new").exists() && !scratch.path("out/partial.sums").exists());
+    assert!(!scratch.path("out/partial.sums").exists() && !stages(&scratch.path("out")));
     assert_eq!(std::fs::read_dir(scratch.0.path()).unwrap().count(), 2, "nothing else is left");
 }
 
@@ -368,11 +373,8 @@ fn a_full_disk_takes_nothing_that_was_kept() {
     );
     let after = (bytes(&scratch.path("out")), std::fs::read(scratch.path("out/partial.sums")).unwrap());
     assert!(before == after, "what was there is there");
-    let names = |path: &Path| {
-        std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect::<Vec<_>>()
-    };
-    assert!(!names(&scratch.path("out")).iter().any(|name| name.contains("new")), "{:?}", names(&scratch.path("out")));
-    assert_eq!(names(scratch.0.path()).len(), 2, "{:?}", names(scratch.0.path()));
+    assert!(!stages(&scratch.path("out")));
+    assert_eq!(std::fs::read_dir(scratch.0.path()).unwrap().count(), 2);
     // A checkpoint that fails ends nothing, and is said with the result.
     let (code, told) = full(&format!("analyze {RUN} --checkpoint 0 --out other"));
     assert!(code == Some(1) && told.contains("File too large"), "{code:?} {told}");
@@ -462,4 +464,58 @@ fn progress_is_told_as_json() {
         );
         assert!(number("elapsed_s") > 0.0 && number("left_s") >= 0.0 && number("realizations_per_s") >= 0.0, "{line}");
     }
+}
+
+#[test]
+fn a_merge_replaces_none_of_its_parts() {
+    let scratch = Scratch::new();
+    let run = "analyze --sampler jittered -n 64 -k 40 --device cpu --stats pcf --quiet";
+    scratch.ok(&format!("{run} --shard 1/2 --out 1"));
+    scratch.ok(&format!("{run} --shard 2/2 --out 2"));
+    let before = bytes(&scratch.path("1"));
+    for part in ["1", "1/partial.sums"] {
+        scratch.fails(&format!("merge {part} 2 --out 1 --force"), 2, "is read, and would be replaced");
+    }
+    assert!(bytes(&scratch.path("1")) == before);
+    scratch.ok("merge 1 2 --out whole --quiet");
+    scratch.fails("plot whole --page whole/pcf.csv --force", 2, "is a file of a result that is drawn");
+    scratch.ok("plot whole --page whole/again.html");
+    scratch.ok("plot whole --page whole/again.html --force");
+}
+
+/// Two runs of one request that were given one directory: neither breaks what the other keeps there.
+#[test]
+fn two_runs_in_one_directory_keep_whole_sums() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze {RUN} --out whole"));
+    let start = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+        command.current_dir(scratch.0.path()).env("XDG_RUNTIME_DIR", scratch.0.path());
+        command.args(format!("analyze {RUN} --checkpoint 0 --out out").split_whitespace());
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let two = [start(), start()].map(|run| run.wait_with_output().unwrap());
+    let told = two.map(|output| (output.status.code(), String::from_utf8(output.stderr).unwrap()));
+    assert!(told.iter().any(|(code, _)| *code == Some(0)), "{told:?}");
+    assert!(bytes(&scratch.path("whole")) == bytes(&scratch.path("out")));
+    assert!(!stages(&scratch.path("out")));
+}
+
+/// Parts that were given one directory by mistake: the first keeps what it wrote, the second says so.
+#[test]
+fn a_part_replaces_no_other() {
+    let scratch = Scratch::new();
+    let run = RUN.replace("-k 70", "-k 100000");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pairwave"));
+    command.current_dir(scratch.0.path()).env("XDG_RUNTIME_DIR", scratch.0.path());
+    command.args(format!("analyze {run} --shard 1/2 --time-limit 1 --out out").split_whitespace());
+    let running = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    // Before the second is over, which its time sees to.
+    std::thread::sleep(Duration::from_millis(300));
+    std::fs::create_dir_all(scratch.path("out")).unwrap();
+    scratch.file("out/partial.sums", "another part");
+    let output = running.wait_with_output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && told.contains("holds "), "{told}");
+    assert_eq!(std::fs::read_to_string(scratch.path("out/partial.sums")).unwrap(), "another part");
 }

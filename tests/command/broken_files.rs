@@ -169,3 +169,22 @@ fn parts_that_left_out_other_files_do_not_merge() {
     scratch.fails("merge parts/1 parts/other --out no", 1, "the parts are not of the same measurement: points, digest");
     scratch.fails("analyze all --keep-going --checkpoint 0 --resume --device cpu --out late", 1, "points, digest");
 }
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_nowhere_and_pipes_are_files_that_cannot_be_used() {
+    let scratch = Scratch::new();
+    folder(&scratch, "all", 3);
+    std::os::unix::fs::symlink("nowhere", scratch.path("all/4.csv")).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(scratch.path("all/5.csv")).status().unwrap().success());
+    scratch.fails("analyze all --device cpu --stats pcf --out o", 1, "all/5.csv: is a pipe or a device");
+    let left_out = |out: &str| {
+        scratch.ok(&format!("analyze all --device cpu --stats pcf --keep-going --quiet --out {out}"));
+        let json = summary(&scratch.path(out));
+        (json["k"].as_u64().unwrap(), json["input"]["left_out"].as_array().unwrap().len())
+    };
+    assert_eq!(left_out("both"), (3, 2));
+    std::fs::remove_file(scratch.path("all/5.csv")).unwrap();
+    scratch.fails("analyze all --device cpu --stats pcf --out o", 1, "all/4.csv: No such file");
+    assert_eq!(left_out("link"), (3, 1));
+}

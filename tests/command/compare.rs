@@ -230,3 +230,27 @@ fn what_marks_points_is_said_to_be_left_out_beside_a_sampler() {
         assert!(notes.contains("measured without"), "{notes}");
     }
 }
+
+#[test]
+fn columns_that_only_one_has_are_said() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze --sampler jittered --seed 1 {RUN} --out a"));
+    scratch.ok(&format!("analyze --sampler jittered --seed 2 {RUN} --kernel epanechnikov --bandwidth 0.01 --out b"));
+    for (results, which) in [("a b", "other"), ("b a", "first")] {
+        let notes = json(&scratch, results).1["notes"].to_string();
+        assert!(notes.contains(&format!("is in the {which} alone")), "{notes}");
+    }
+}
+
+/// Anisotropy is a tenth of it for ten times the realizations, of isotropic points too.
+#[test]
+fn numbers_of_realizations_alone_make_no_difference() {
+    let scratch = Scratch::new();
+    scratch.ok(&format!("analyze --sampler jittered --seed 1 {RUN} --out a"));
+    scratch.ok(&format!("analyze --sampler jittered --seed 2 {} --out b", RUN.replace("-k 40", "-k 400")));
+    let (code, found) = json(&scratch, "a b");
+    assert_eq!(code, Some(0), "{found}");
+    let notes = found["notes"].to_string();
+    assert!(notes.contains("spectrum_radial.anisotropy_db falls with the number of realizations"), "{notes}");
+    assert!(found["columns"].as_array().unwrap().iter().any(|column| column["figure"] == "spectrum_radial.p"));
+}

@@ -276,3 +276,17 @@ fn points_are_placed_by_a_warp() {
     let rates = quoted(&scratch.path("rates/convergence.csv"));
     assert_eq!(rates["integrand"], ["monomial:x=2,y=1", "monomial:x=2,y=1"]);
 }
+
+/// A flag that says nothing about files, or about samplers, is no flag that is passed over.
+#[test]
+fn flags_of_samplers_go_with_samplers_and_those_of_files_with_files() {
+    let scratch = Scratch::new();
+    scratch.ok("sample jittered -n 64 -k 4 --quiet --out points.npy");
+    for flag in ["-n 16,64", "-k 10", "--dim 3", "--seed 4", "--param radius=0.1"] {
+        scratch.fails(&format!("convergence points.npy {flag} --integrand disk"), 2, "cannot be used with");
+    }
+    for flag in ["--prefixes 16,64", "--columns 1,2", "--wrap"] {
+        let line = format!("convergence --sampler random -n 16,64 -k 4 {flag} --integrand disk");
+        scratch.fails(&line, 2, "cannot be used with");
+    }
+}

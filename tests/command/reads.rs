@@ -264,3 +264,37 @@ fn boxes_of_files_are_domains() {
             .contains("every z is 0, and the points are measured in 3D all the same; --columns x,y leaves z out")
     );
 }
+
+/// What is read of a pipe is gone: nobody may look at how it begins first. A device may have no end.
+#[cfg(unix)]
+#[test]
+fn pipes_are_read_once_and_devices_not() {
+    let scratch = Scratch::new();
+    scratch.ok("sample jittered -n 64 -k 4 --quiet --out batch.npy");
+    scratch.ok("sample jittered -n 64 -k 1 --quiet --out one.csv");
+    for (name, first) in [("one.csv", "n = 64, K = 1, "), ("batch.npy", "n = 64, K = 4, ")] {
+        let bytes = std::fs::read(scratch.path(name)).unwrap();
+        for arguments in ["-", "/dev/stdin", "/dev/stdin --keep-going"] {
+            let line = format!("analyze {arguments} --device cpu --stats pcf");
+            let output = scratch.command().args(line.split(' ')).write_stdin(bytes.clone()).output().unwrap();
+            let (out, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+            assert!(output.status.success() && out.starts_with(first), "{line}: {out}{errors}");
+        }
+    }
+    let endless = "/dev/zero: is a device, which may have no end; expected a file or a pipe";
+    for arguments in [
+        "analyze /dev/zero",
+        "scan /dev/zero --out a.scan",
+        "analyze one.csv --stats pcf --edges /dev/zero",
+        "analyze one.csv --stats spectrum --frequencies /dev/zero",
+        "analyze one.csv --window-polygon /dev/zero",
+        "integrate one.csv --integrand image:file=/dev/zero",
+        "integrate one.csv --integrand table:file=/dev/zero",
+        "analyze --config /dev/zero",
+        "merge /dev/zero --out merged",
+    ] {
+        scratch.fails(arguments, 1, endless);
+    }
+    scratch.fails("analyze /dev/null", 1, "/dev/null: the file is empty");
+    scratch.fails("sample random -n 9 --out /dev/null --force", 2, "is a pipe or a device");
+}

@@ -175,3 +175,27 @@ fn a_scan_stands_for_its_files_wherever_they_are_given() {
     std::fs::write(scratch.path("many/3.csv"), "x,y,z\n0.5,0.5,0.5\n").unwrap();
     scratch.fails("analyze many.scan --prefixes 1,2 --device cpu", 1, "3.csv: is not the file that was scanned");
 }
+
+#[test]
+fn a_scan_that_cannot_be_is_an_error() {
+    let scratch = Scratch::new();
+    scratch.ok("sample random -n 20 -k 20 --quiet --out batch.npy");
+    scratch.ok("scan batch.npy --quiet --out batch.scan");
+    let text = std::fs::read_to_string(scratch.path("batch.scan")).unwrap();
+    assert!(text.contains("[[20,20]]"), "{text}");
+    scratch.file("huge.scan", &text.replace("[[20,20]]", "[[20,4611686018427387904]]"));
+    scratch.fails("analyze huge.scan --device cpu", 1, "huge.scan: has files whose realizations cannot be");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_a_scan_cannot_hold_is_an_error() {
+    use std::os::unix::ffi::OsStrExt;
+    let scratch = Scratch::new();
+    let name = std::ffi::OsStr::from_bytes(b"\xff.csv");
+    std::fs::write(scratch.0.path().join(name), "0.1 0.2\n0.3 0.4\n").unwrap();
+    let output = scratch.command().arg("scan").arg(name).args(["--out", "a.scan"]).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && errors.contains("has a name that is no UTF-8"), "{errors}");
+    assert!(!scratch.path("a.scan").exists());
+}

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/`, from the ground up: the order of the README's map.
-pub const FLOORS: [&str; 30] = [
+pub const FLOORS: [&str; 31] = [
     "setting",
     "named",
     "sinc",
@@ -14,6 +14,7 @@ pub const FLOORS: [&str; 30] = [
     "control",
     "pool",
     "memory",
+    "input",
     "stage",
     "points",
     "samplers",

@@ -30,12 +30,11 @@ mod walk;
 mod xyz;
 
 use std::collections::{HashMap, HashSet};
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::input;
 use crate::points::RawPoints;
 
 use columns::Marks;
@@ -46,7 +45,9 @@ pub use raw::{RawElement, RawLayout};
 pub use reading::{Apart, Input, LeftOut, Reading};
 pub use stated::StatedBox;
 pub(crate) use text::{has_decimal_comma, is_decimal_comma};
-pub(crate) use walk::{Broken, Found, OnBroken, PointFile, each_piece, extension, folders_left_out, is_stdin, paths};
+pub(crate) use walk::{
+    Broken, Found, OnBroken, PointFile, each_piece, extension, folders_left_out, is_stdin, lasts, paths,
+};
 use walk::{KNOWN_EXTENSIONS, natural_key};
 
 /// What the command line says about its input files.
@@ -95,11 +96,9 @@ fn read_file(path: &Path, options: &ReadOptions, columns: &Columns) -> Result<Ve
 /// What a file is called, and its bytes.
 pub(crate) fn read_whole(path: &Path) -> Result<(String, Vec<u8>)> {
     if !is_stdin(path) {
-        return Ok((path.display().to_string(), fs::read(path).map_err(|e| Error::file(path, e))?));
+        return Ok((path.display().to_string(), input::read(path)?));
     }
-    let mut bytes = Vec::new();
-    std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| Error::file("standard input", e))?;
-    Ok(("standard input".to_owned(), bytes))
+    Ok(("standard input".to_owned(), input::read_stdin()?))
 }
 
 /// Every realization of bytes that are a file's, at least one.

@@ -19,7 +19,7 @@ use crate::setting::Setting;
 /// # Errors
 /// What the file system says; what is no polygon, by its line or ring.
 pub fn read_polygon(path: &Path) -> Result<(Domain, Vec<String>)> {
-    polygon_of_bytes(path, &std::fs::read(path).map_err(|e| Error::file(path, e))?)
+    polygon_of_bytes(path, &crate::input::read(path)?)
 }
 
 /// The same of the bytes of a file, which `path` is the name of.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::columns::{Columns, MarkedPoints};
 use super::{ReadOptions, npy, read_file};
 use crate::error::{Error, Result, plural};
+use crate::input;
 use crate::points::RawPoints;
 use crate::setting::Setting;
 
@@ -47,7 +48,7 @@ const PIECE: u64 = 64 << 20;
 
 impl PointFile {
     pub(crate) fn open(path: PathBuf, options: &ReadOptions, columns: &Columns) -> Self {
-        let in_rows = options.raw.is_none() && columns.realization.is_none() && !is_stdin(&path);
+        let in_rows = options.raw.is_none() && columns.realization.is_none() && lasts(&path);
         let rows = in_rows.then(|| npy::Rows::open(&path, columns)).flatten();
         rows.map_or(Self::Whole(path), Self::Rows)
     }
@@ -62,7 +63,7 @@ impl PointFile {
 
     /// Whether it can be read again.
     pub(crate) fn lasts(&self) -> bool {
-        !matches!(self, Self::Whole(path) if is_stdin(path))
+        !matches!(self, Self::Whole(path) if !lasts(path))
     }
 
     /// The ranges of realizations that fit into memory; of a file that is read at once, one.
@@ -256,6 +257,11 @@ pub(crate) fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// Whether what is there can be read again: no pipe.
+pub(crate) fn lasts(path: &Path) -> bool {
+    !is_stdin(path) && !input::is_stream(path)
+}
+
 /// The files that inputs stand for, as far as they can be found.
 pub(crate) fn paths(inputs: &[PathBuf]) -> Vec<PathBuf> {
     let listed = inputs.iter().filter_map(|input| expand(input, &ReadOptions::default()).ok());
@@ -326,7 +332,7 @@ fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<Listed>> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(dir).map_err(|e| Error::file(dir, e))? {
         let path = entry.map_err(|e| Error::file(dir, e))?.path();
-        if is_hidden(&path) || fs::metadata(&path).map_err(|e| Error::file(&path, e))?.is_dir() {
+        if is_hidden(&path) || path.is_dir() {
             continue;
         }
         paths.push(path);
@@ -345,15 +351,18 @@ fn directory(dir: &Path, options: &ReadOptions) -> Result<Vec<Listed>> {
     sort_naturally(&mut paths);
     let listed = |path: PathBuf| {
         let extension = extension(&path);
-        let whether =
-            if options.raw.is_none() && !extension.is_empty() && !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
-                let known = KNOWN_EXTENSIONS.join(", .");
-                let reason =
-                    format!("not a kind of file that holds points; expected .{known}, or name the files one by one");
-                Err(Error::input(path.display().to_string(), reason))
-            } else {
-                Ok(())
-            };
+        let whether = if input::is_stream(&path) {
+            let reason =
+                "is a pipe or a device, which is not read as one of a directory; expected files, or it by itself";
+            Err(Error::input(path.display().to_string(), reason))
+        } else if options.raw.is_none() && !extension.is_empty() && !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
+            let known = KNOWN_EXTENSIONS.join(", .");
+            let reason =
+                format!("not a kind of file that holds points; expected .{known}, or name the files one by one");
+            Err(Error::input(path.display().to_string(), reason))
+        } else {
+            Ok(())
+        };
         (path, whether)
     };
     Ok(paths.into_iter().map(listed).collect())

@@ -55,6 +55,9 @@ pub fn write(path: &Path, realizations: &mut dyn Iterator<Item = Result<RawPoint
     if path.is_dir() {
         return Err(Error::setting(Setting::Out, path.display(), "is a directory; expected a file name"));
     }
+    if crate::input::is_stream(path) {
+        return Err(Error::setting(Setting::Out, path.display(), "is a pipe or a device; expected a file name"));
+    }
     if !force && path.exists() {
         return Err(exists(path));
     }

@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::columns::{Curve, Place};
-use super::svg;
+use super::{is_own, svg};
 use crate::display::figure::{
     BLUE, Figure, GREEN, GREY, INK, Layer, ORANGE, Of, PURPLE, Rgb, SKY, Stroke, VERMILION, band_runs, runs,
 };
@@ -152,6 +152,7 @@ impl Plot {
             let reason = format!("there is a file {} already; `force` replaces it", taken.display());
             return Err(Error::setting(Setting::Out, out.display(), reason));
         }
+        files.iter().try_for_each(|file| check_file(Setting::Out, file, force))?;
         let mut pictures = Vec::new();
         for (each, file) in drawn.into_iter().zip(&files) {
             let figure = look.overlay(each, &results)?.figure;
@@ -173,9 +174,12 @@ impl Plot {
         let results = self.results.iter().map(|dir| Stored::open(dir)).collect::<Result<Vec<_>>>()?;
         let drawn = self.chosen(&results)?;
         let look = Look::of(self, &results)?;
-        if file.is_dir() || file.symlink_metadata().is_ok() && !force {
-            let reason =
-                if file.is_dir() { "is a directory; expected a file" } else { "is there already; `force` replaces it" };
+        check_file(Setting::Page, file, force)?;
+        let place = |path: &Path| path.canonicalize().ok();
+        let among =
+            |dir: &PathBuf| place(dir).is_some_and(|dir| place(file).is_some_and(|file| file.parent() == Some(&dir)));
+        if is_own(file) && self.results.iter().any(among) {
+            let reason = "is a file of a result that is drawn; expected another";
             return Err(Error::setting(Setting::Page, file.display(), reason));
         }
         let warnings = warnings(&results);
@@ -275,6 +279,18 @@ fn encoded(svg: String, file: &Path) -> Result<Vec<u8>, Box<dyn std::error::Erro
         Some(Format::Png) => print::png(&svg),
         Some(Format::Svg) | None => Ok(svg.into_bytes()),
     }
+}
+
+/// Whether a file may be written: it is not there, or a file that `force` replaces.
+pub(super) fn check_file(setting: Setting, path: &Path, force: bool) -> Result<()> {
+    let reason = match path.symlink_metadata() {
+        Err(_) => return Ok(()),
+        Ok(_) if path.is_dir() => "is a directory; expected a file",
+        Ok(_) if crate::input::is_stream(path) => "is a pipe or a device; expected a file",
+        Ok(_) if force => return Ok(()),
+        Ok(_) => "is there already; `force` replaces it",
+    };
+    Err(Error::setting(setting, path.display(), reason))
 }
 
 /// Writes a file whole, and its directory if there is none.

@@ -10,7 +10,7 @@ use crate::points::read::{has_decimal_comma, is_decimal_comma};
 /// # Errors
 /// What the file system says; what is no number or an empty field, by its line; what may be decimal commas.
 pub fn read_edges(path: &Path) -> Result<Vec<f64>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
+    let text = crate::input::read_text(path)?;
     let mut edges = Vec::new();
     let fail = |line: usize, reason: String| Error::input(format!("{}:{line}", path.display()), reason);
     // Lines that are one number with a decimal comma each, or two edges.
