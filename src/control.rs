@@ -18,7 +18,7 @@ pub fn wait<T>(work: impl Future<Output = T>) -> T {
 pub struct Control {
     cancelled: Arc<AtomicBool>,
     /// Of the work that this one is done for.
-    above: Option<Arc<AtomicBool>>,
+    above: Vec<Arc<AtomicBool>>,
     /// The part of the piece of work at hand that is done, in steps of 2^-40.
     share: AtomicU64,
     /// How many equal pieces it comes in, less 1: each of them is told of as a whole.
@@ -27,7 +27,7 @@ pub struct Control {
     done: [AtomicU64; 3],
 }
 
-/// Work, as the CPU path counts it while it does it.
+/// Work on pairs in bins and on power, as the CPU path counts it while it does it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Done {
     /// Pairs of points that were looked at.
@@ -53,12 +53,12 @@ impl Control {
     /// `Error::Cancelled` once that was asked for.
     pub fn check(&self) -> Result<()> {
         let is = |cancelled: &Arc<AtomicBool>| cancelled.load(Ordering::Relaxed);
-        if is(&self.cancelled) || self.above.as_ref().is_some_and(is) { Err(Error::Cancelled) } else { Ok(()) }
+        if is(&self.cancelled) || self.above.iter().any(is) { Err(Error::Cancelled) } else { Ok(()) }
     }
 
     /// Of work done beside this one: stops with it, can be stopped alone, and is told of apart.
     pub(crate) fn beside(&self) -> Self {
-        Self { above: Some(self.cancelled.clone()), ..Self::default() }
+        Self { above: self.above.iter().chain([&self.cancelled]).cloned().collect(), ..Self::default() }
     }
 
     /// Begins a piece of work.

@@ -19,6 +19,8 @@ pub struct Efficiency {
     pub drawing: Timing,
     /// Seconds that the integrand takes at its points.
     pub evaluating: Timing,
+    /// Variance of the integrand: of one random point.
+    pub variance: f64,
     /// Root of the mean squared error of the integral.
     pub error: f64,
     /// Its standard error.
@@ -85,6 +87,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Vec<Efficiency>> {
                     k,
                     drawing,
                     evaluating: Timing::of(seconds),
+                    variance: integrand.variance(),
                     error,
                     error_se: if error > 0.0 { 0.5 * mse_se / error } else { 0.0 },
                 });

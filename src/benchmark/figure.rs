@@ -37,9 +37,6 @@ struct Curve {
     joined: bool,
 }
 
-/// Below this an error is drawn as this: 0, on a logarithmic scale.
-const FLOOR: f64 = 1e-17;
-
 /// Begins the label of a point of the front.
 const FRONT: char = '◦';
 
@@ -91,6 +88,20 @@ pub(super) fn page(all: &Benchmark, asked: &Asked) -> Result<Made> {
             .collect();
         page.picture(name.trim_end_matches(".svg"), [svg, "", caption], &[], &numbers)?;
     }
+    for (name, columns) in tables.iter().filter(|(name, _)| **name == "skipped.csv") {
+        page.section("Work that was not done");
+        page.paragraph("What was counted while it was done, beside what a plain implementation does.");
+        page.picture("skipped", ["", "", "Pairs, products and bytes."], &[], &[Numbers { name, columns, page: None }])?;
+    }
+    if let Some(pace) = all.pace() {
+        let off: Vec<_> = all.mispredicted().map(|g| format!("{} at {} = {}", g.of, g.variable, g.value)).collect();
+        let off = if off.is_empty() { "none".into() } else { off.join(", ") };
+        let rows = [
+            ("Off throughout, as a factor".into(), format!("{pace:.2}")),
+            ("Off by more than 15 % beside that, in every run".into(), off),
+        ];
+        page.rows("Plans", &rows);
+    }
     page.section("How it was computed");
     page.typed(&asked.command);
     let page = page.finish("The numbers behind the pictures are in the CSV files next to this page.");
@@ -98,21 +109,29 @@ pub(super) fn page(all: &Benchmark, asked: &Asked) -> Result<Made> {
 }
 
 fn of_scene(scene: &Scene) -> Panel {
+    let levels = [1.0, 1e2, 1e4, 1e6].map(|k: f64| (scene.statistical / k.sqrt(), format!("K = {k}")));
+    let errors = scene.ways.iter().map(|way| way.drawn(scene.statistical)).chain(levels.iter().map(|level| level.0));
+    // What is 0 is drawn below all else.
+    let floor = errors.filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min) / 100.0;
+    let several = scene.ways.iter().any(|way| way.device != scene.ways[0].device);
     let mut curves: Vec<Curve> = Vec::new();
     for way in &scene.ways {
-        let error = way.error.map_or(way.total(scene.statistical), |[rms, _]| rms).max(FLOOR);
+        let error = way.drawn(scene.statistical);
+        let on = if several && way.device != scene.ways[0].device { " (GPU)" } else { "" };
         let family = if way.error.is_none() { "by chance alone, K = 1" } else { family(&way.method) };
-        let label = if way.front { format!("{FRONT} {}", way.method) } else { way.method.clone() };
-        let point = [way.seconds.median, error];
+        let family = format!("{family}{on}");
+        let exact = if error == 0.0 { ": exact" } else { "" };
+        let front = if way.front { format!("{FRONT} ") } else { String::new() };
+        let label = format!("{front}{}{on}{exact}", way.method);
+        let point = [way.seconds.median, error.max(floor)];
         match curves.iter_mut().find(|curve| curve.name == family) {
             Some(curve) => {
                 curve.points.push(point);
                 curve.labels.push(label);
             }
-            None => curves.push(Curve { name: family.into(), points: vec![point], labels: vec![label], joined: false }),
+            None => curves.push(Curve { name: family, points: vec![point], labels: vec![label], joined: false }),
         }
     }
-    let levels = [1.0, 1e2, 1e4, 1e6].map(|k: f64| (scene.statistical / k.sqrt(), format!("K = {k}")));
     Panel {
         title: scene.name.clone(),
         x_label: "seconds of one realization",
@@ -130,7 +149,11 @@ fn family(method: &str) -> &str {
 fn of_samplers(all: &Benchmark) -> Vec<Panel> {
     let mut panels: Vec<Panel> = Vec::new();
     for row in &all.efficiency {
-        if panels.last().is_none_or(|_| !panels.iter().any(|p| p.title == row.integrand)) {
+        // What is left of some is rounding.
+        if row.error <= super::ROUNDING {
+            continue;
+        }
+        if !panels.iter().any(|p| p.title == row.integrand) {
             panels.push(Panel {
                 title: row.integrand.clone(),
                 x_label: "seconds of one realization, drawing and evaluating",
@@ -140,7 +163,7 @@ fn of_samplers(all: &Benchmark) -> Vec<Panel> {
             });
         }
         let Some(panel) = panels.iter_mut().find(|p| p.title == row.integrand) else { continue };
-        let point = [row.seconds(1.0), row.error.max(FLOOR)];
+        let point = [row.seconds(1.0), row.error];
         match panel.curves.iter_mut().find(|curve| curve.name == row.sampler) {
             Some(curve) => curve.points.push(point),
             None => panel.curves.push(Curve {
@@ -253,8 +276,10 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
         );
     }
     let mut row = up + 8.0;
-    for (curve, color) in panel.curves.iter().zip(IN_TURN.iter().cycle()) {
+    for (turn, (curve, color)) in panel.curves.iter().zip(IN_TURN.iter().cycle()).enumerate() {
         let color = rgb(*color);
+        // Colours come again hollow.
+        let fill = if turn < IN_TURN.len() { &color } else { "#fff" };
         let place = |p: &[f64; 2]| [x(p[0]), y(p[1])];
         if curve.joined && curve.points.len() > 1 {
             let line: Vec<String> = curve.points.iter().map(place).map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
@@ -262,7 +287,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
         }
         let _ = writeln!(
             svg,
-            r#"<circle cx="{:.1}" cy="{:.1}" r="4" fill="{color}"/><text x="{:.1}" y="{row:.1}">{}</text>"#,
+            r#"<circle cx="{:.1}" cy="{:.1}" r="4" fill="{fill}" stroke="{color}"/><text x="{:.1}" y="{row:.1}">{}</text>"#,
             right + 20.0,
             row - 4.0,
             right + 30.0,
@@ -278,7 +303,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
                     r#"<circle cx="{cx:.1}" cy="{cy:.1}" r="7.5" fill="none" stroke="{color}" stroke-width="1.4"/>"#
                 );
             }
-            let _ = writeln!(svg, r#"<circle cx="{cx:.1}" cy="{cy:.1}" r="4" fill="{color}"/>"#);
+            let _ = writeln!(svg, r#"<circle cx="{cx:.1}" cy="{cy:.1}" r="4" fill="{fill}" stroke="{color}"/>"#);
             if let Some(label) = label {
                 // A number beside the point, explained in the legend: words would lie on each other.
                 let _ = writeln!(

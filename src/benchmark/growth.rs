@@ -29,8 +29,8 @@ pub struct Exponent {
     pub of: &'static str,
     /// What grows.
     pub variable: &'static str,
-    /// The exponent of the times, over the larger half of the values.
-    pub measured: Option<f64>,
+    /// The exponent of the times, over the larger half of the values, and its standard error.
+    pub measured: Option<[f64; 2]>,
     /// That of the plan, over the same.
     pub planned: Option<f64>,
 }
@@ -90,7 +90,7 @@ fn exponents(all: &[Grown]) -> Vec<Exponent> {
         let larger = &ladder[(ladder.len() / 2).min(ladder.len().saturating_sub(2))..];
         let fit = |of: fn(&Grown) -> Measured| {
             let at = |grown: &Grown| VarianceAt { n: grown.value, variance: of(grown) };
-            PowerLaw::fit(&larger.iter().map(at).collect::<Vec<_>>()).map(|law| law.slope)
+            PowerLaw::fit(&larger.iter().map(at).collect::<Vec<_>>()).map(|law| [law.slope, law.slope_se])
         };
         let (of, variable) = (ladder[0].of, ladder[0].variable);
         found.push(Exponent {
@@ -100,7 +100,8 @@ fn exponents(all: &[Grown]) -> Vec<Exponent> {
                 let value = grown.seconds.median;
                 Measured { value, se: Some((grown.seconds.most - grown.seconds.least).max(0.05 * value)) }
             }),
-            planned: fit(|grown| Measured { value: grown.planned, se: Some(0.05 * grown.planned) }),
+            planned: fit(|grown| Measured { value: grown.planned, se: Some(0.05 * grown.planned) })
+                .map(|[slope, _]| slope),
         });
     }
     found
@@ -136,11 +137,14 @@ impl super::Benchmark {
         ratios.get(ratios.len() / 2).copied()
     }
 
-    /// Problems that a plan is off for, beside that.
-    pub fn mispredicted(&self) -> impl Iterator<Item = (&Grown, f64)> {
+    /// Problems that a plan is off for, beside that, in every run.
+    pub fn mispredicted(&self) -> impl Iterator<Item = &Grown> {
         let pace = self.pace().unwrap_or(1.0);
-        let off = move |grown: &Grown| grown.seconds.median / grown.planned / pace;
-        self.grown.iter().map(move |g| (g, off(g))).filter(|(_, off)| !(1.0 / (1.0 + OFF)..=1.0 + OFF).contains(off))
+        let off = move |grown: &&Grown| {
+            let [least, most] = [grown.seconds.least, grown.seconds.most].map(|s| s / grown.planned / pace);
+            least > 1.0 + OFF || most < 1.0 / (1.0 + OFF)
+        };
+        self.grown.iter().filter(off)
     }
 }
 
@@ -159,6 +163,6 @@ mod tests {
         };
         let all: Vec<_> = (0..8).map(|e| grown(f64::from(1000 << e))).collect();
         let [found] = &exponents(&all)[..] else { panic!("one ladder") };
-        assert!((found.measured.unwrap() - 2.0).abs() < 0.05 && (found.planned.unwrap() - 1.0).abs() < 1e-9);
+        assert!((found.measured.unwrap()[0] - 2.0).abs() < 0.05 && (found.planned.unwrap() - 1.0).abs() < 1e-9);
     }
 }

@@ -123,6 +123,9 @@ pub struct Benchmark {
     pub warnings: Vec<String>,
 }
 
+/// Errors of integrals of about 1 below which they are rounding.
+const ROUNDING: f64 = 1e-14;
+
 /// What sections work with.
 struct Bench<'a> {
     quick: bool,
@@ -141,6 +144,12 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
     let threads = Some(wanted.threads.unwrap_or(1));
     let cpu = Device::new(Box::new(Cpu::new(threads)?), threads)?;
     let mut warnings = Vec::new();
+    if cfg!(debug_assertions) {
+        warnings.push(
+            "this is a checked build, which is several times slower: `cargo run --release -- bench` times the program"
+                .into(),
+        );
+    }
     let other = crate::control::wait(Device::open(wanted.device, threads))?;
     warnings.extend(other.note().map(String::from));
     let name = |device: &Device| device.computed_by().device();
@@ -152,8 +161,10 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
         true => Care { runs: 3, least: 2e-3, enough: 0.7 },
         false => Care { runs: 7, least: 2e-2, enough: 4.0 },
     };
-    let machine = Machine::measure(name(&devices[0]), devices[0].pool(), care, control)?;
-    let bench = Bench { quick: wanted.quick, care, devices, machine, control };
+    // Its share is nobody's: a section is told of as a whole.
+    let quiet = control.beside();
+    let machine = Machine::measure(name(&devices[0]), devices[0].pool(), care, &quiet)?;
+    let bench = Bench { quick: wanted.quick, care, devices, machine, control: &quiet };
     let all = Section::ALL;
     let sections: Vec<Section> =
         all.iter().copied().filter(|s| wanted.sections.is_empty() || wanted.sections.contains(s)).collect();
@@ -256,23 +267,28 @@ fn error_of(differences: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 impl Scene {
-    /// Marks the ways that no other beats.
+    /// Marks the ways that no other beats: by what they are off, or where all are off by chance alone, by that.
     fn find_front(&mut self) {
-        let of = |way: &Way| (way.seconds.median, way.total(self.statistical));
+        let errs = self.ways.iter().any(|way| way.error.is_some());
+        let of = |way: &Way| match way.error {
+            Some([rms, _]) => Some((way.seconds.median, rms)),
+            None if errs => None,
+            None => Some((way.seconds.median, way.statistical.unwrap_or(self.statistical))),
+        };
         let all: Vec<_> = self.ways.iter().map(of).collect();
-        for (k, way) in self.ways.iter_mut().enumerate() {
-            let (t, e) = all[k];
-            let better =
-                |&(other_t, other_e): &(f64, f64)| other_t <= t && other_e <= e && (other_t < t || other_e < e);
-            way.front = !all.iter().any(better);
+        for (way, own) in self.ways.iter_mut().zip(&all) {
+            let Some((t, e)) = own else { continue };
+            let beats = |(other_t, other_e): &(f64, f64)| other_t <= t && other_e <= e && (other_t < t || other_e < e);
+            way.front = !all.iter().flatten().any(beats);
         }
     }
 }
 
 impl Scene {
-    /// From how many realizations on a way's difference from the truth is more than chance.
+    /// From how many realizations on a way's difference from the truth is more than chance. Not of variances, whose differences are means over
+    /// realizations already, and partly chance.
     fn realizations_as_accurate(&self, way: &Way) -> Option<f64> {
-        let [rms, _] = way.error?;
+        let [rms, _] = way.error.filter(|_| self.section != Section::Variance)?;
         let chance = way.statistical.unwrap_or(self.statistical);
         (rms > 0.0).then(|| (chance / rms).powi(2))
     }
@@ -281,24 +297,23 @@ impl Scene {
 impl Machine {
     /// In words.
     fn words(&self) -> String {
-        let threads = crate::error::plural(self.threads as u64, "thread");
-        format!(
-            "{}, {threads}: {:.0} GFLOP/s of f32 multiply-adds, {:.1} GB/s of memory",
-            self.cpu, self.gflops, self.gigabytes
-        )
+        let Self { cpu, processor, gflops, gigabytes, .. } = self;
+        let on = if processor.is_empty() { String::new() } else { format!(" on {processor}") };
+        format!("{cpu}{on}: {gflops:.0} GFLOP/s of f32 multiply-adds, {gigabytes:.1} GB/s of memory")
     }
 }
 
 impl Way {
-    /// What a front is made by: the difference from the truth, or where there is none, chance.
-    fn total(&self, statistical: f64) -> f64 {
-        let chance = self.statistical.unwrap_or(0.0);
-        self.error.map_or(self.statistical.unwrap_or(statistical), |[rms, _]| rms.hypot(chance))
+    /// What is drawn: the difference from the truth, or where there is none, chance.
+    fn drawn(&self, statistical: f64) -> f64 {
+        self.error.map_or(self.statistical.unwrap_or(statistical), |[rms, _]| rms)
     }
 
     /// Its share of what the machine's multiply-adds could do.
     pub fn share(&self, machine: &Machine) -> Option<f64> {
-        Some(self.gflop? / self.seconds.median / machine.gflops)
+        // The rate is that of the CPU path.
+        let gflop = self.gflop.filter(|_| self.device == machine.cpu)?;
+        Some(gflop / self.seconds.median / machine.gflops)
     }
 }
 
@@ -325,18 +340,23 @@ impl Benchmark {
         })
     }
 
-    /// How many times as fast as random points to the same error: these take so many of them that `v0 / n` is as small.
-    fn against_random(&self, of: &Efficiency) -> Option<f64> {
+    /// How many times as fast as random points to the same error, whose error is `sqrt(v0 / n)`, and its standard error. None where what is left
+    /// is rounding.
+    fn against_random(&self, of: &Efficiency) -> Option<[f64; 2]> {
         let same = |e: &&Efficiency| e.sampler == "random" && e.integrand == of.integrand;
         let random = self.efficiency.iter().filter(same).max_by_key(|e| e.n)?;
-        (of.error > 0.0).then(|| random.seconds(1.0) * (random.error / of.error).powi(2) / of.seconds(1.0))
+        let needed = of.variance / of.error.powi(2);
+        let times = random.seconds(1.0) / random.n as f64 * needed / of.seconds(1.0);
+        (of.error > ROUNDING).then(|| [times, times * 2.0 * of.error_se / of.error])
     }
 
     fn summary(&self) -> Value {
-        let Machine { cpu, threads, gflops, gigabytes } = &self.machine;
+        let Machine { cpu, processor, threads, gflops, gigabytes } = &self.machine;
         json!({
             "benchmark": {
                 "cpu": cpu,
+                "processor": processor,
+                "plan_pace": self.pace(),
                 "threads": threads,
                 "fma_gflops": gflops,
                 "triad_gigabytes_per_s": gigabytes,

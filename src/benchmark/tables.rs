@@ -48,8 +48,9 @@ fn efficiency(all: &Benchmark) -> Table {
         .floats("seconds", rows.iter().map(|e| e.seconds(1.0)))
         .floats("error_rms", rows.iter().map(|e| e.error))
         .floats("error_rms_se", rows.iter().map(|e| e.error_se))
-        // How many times as fast as random points to the same error, whose error is that of v0 / n.
-        .optional("efficiency", rows.iter().map(|e| all.against_random(e)))
+        // How many times as fast as random points to the same error.
+        .optional("efficiency", rows.iter().map(|e| Some(all.against_random(e)?[0])))
+        .optional("efficiency_se", rows.iter().map(|e| Some(all.against_random(e)?[1])))
 }
 
 /// `growth.csv`: a row per size of a problem.
@@ -73,7 +74,8 @@ fn exponents(all: &Benchmark) -> Table {
     Table::new()
         .text("of", rows.iter().map(|e| e.of.into()))
         .text("variable", rows.iter().map(|e| e.variable.into()))
-        .optional("exponent", rows.iter().map(|e| e.measured))
+        .optional("exponent", rows.iter().map(|e| Some(e.measured?[0])))
+        .optional("exponent_se", rows.iter().map(|e| Some(e.measured?[1])))
         .optional("exponent_planned", rows.iter().map(|e| e.planned))
 }
 
@@ -134,6 +136,7 @@ pub(super) fn text(all: &Benchmark) -> String {
             "error_rms",
             "error_rms_se",
             "efficiency",
+            "efficiency_se",
         ];
         let heading =
             "errors of integrals and the time they take; efficiency: time of random points with the same error over it";
@@ -145,13 +148,13 @@ pub(super) fn text(all: &Benchmark) -> String {
         let _ = write!(text, "\n{}", some_columns(heading, &columns, &skipped(all)));
     }
     if !all.grown.is_empty() {
-        let columns = ["of", "variable", "exponent", "exponent_planned"];
+        let columns = ["of", "variable", "exponent", "exponent_se", "exponent_planned"];
         let _ = write!(text, "\n{}", some_columns("time grows like", &columns, &exponents(all)));
-        let off: Vec<_> = all.mispredicted().map(|(grown, _)| grown.clone()).collect();
+        let off: Vec<_> = all.mispredicted().cloned().collect();
         let pace = all.pace().unwrap_or(1.0);
         let _ = writeln!(
             text,
-            "\nplans are off by a factor of {pace:.2} throughout, and beside that by more than 15 % in {} of {} problems",
+            "\nplans are off by a factor of {pace:.2} throughout, and beside that by more than 15 % in every run in {} of {} problems",
             off.len(),
             all.grown.len()
         );

@@ -81,11 +81,13 @@ impl Care {
 pub struct Machine {
     /// The device of the CPU path, in words.
     pub cpu: String,
+    /// What the processor says it is; empty where it does not.
+    pub processor: String,
     /// Threads.
     pub threads: usize,
     /// f32 multiply-adds of all threads, in 1e9 operations per second (two for each multiply-add).
     pub gflops: f64,
-    /// Bytes that all threads read and write, per second, in 1e9: `a[i] = b[i] + s c[i]` over arrays beyond the caches
+    /// Bytes that all threads read and write, per second, in 1e9: `a[i] = b[i] + s c[i]` over arrays of 32 MB
     /// (the triad of McCalpin's STREAM).
     pub gigabytes: f64,
 }
@@ -101,7 +103,7 @@ impl Machine {
         let threads = pool.threads();
         // The fastest: what is in the way of a limit is no limit.
         let (timing, each) = care.time(control, || Ok(pool.broadcast(|_| fma_gflop(level, black_box(rounds)))))?;
-        let gflop: f64 = each.iter().map(|(gflop, sum)| gflop + 0.0 * f64::from(black_box(*sum).min(1.0))).sum();
+        let gflop: f64 = black_box(&each).iter().map(|(gflop, _)| gflop).sum();
         let arrays = |value: f64| (0..threads).map(|_| vec![value; TRIAD / threads]).collect::<Vec<_>>();
         let (b, c) = (arrays(1.0), arrays(2.0));
         let a: Vec<_> = arrays(0.0).into_iter().map(std::sync::Mutex::new).collect();
@@ -116,7 +118,17 @@ impl Machine {
             Ok(())
         })?;
         let bytes = (TRIAD / threads * threads * 24) as f64;
-        Ok(Self { cpu, threads, gflops: gflop / timing.least, gigabytes: 1e-9 * bytes / triad.least })
+        let processor = sysinfo::System::new().ok().and_then(|mut system| {
+            system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
+            Some(system.cpus().first()?.brand().trim().to_string())
+        });
+        Ok(Self {
+            cpu,
+            processor: processor.unwrap_or_default(),
+            threads,
+            gflops: gflop / timing.least,
+            gigabytes: 1e-9 * bytes / triad.least,
+        })
     }
 }
 

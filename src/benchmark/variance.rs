@@ -45,7 +45,7 @@ fn scene(bench: &Bench<'_>, integrand: &str, ensemble: &Ensemble) -> Result<Scen
     ];
     for factor in [1.0, 2.5, 5.0, 10.0] {
         let frequency = (factor * n.sqrt()).ceil() as u32;
-        let method = format!("frequencies, up to {factor} sqrt(n), tail closed");
+        let method = format!("frequencies, up to {factor} sqrt(n)");
         forms.push(Form { method, frequency, of: |e| Some(e.closed), ..predicted("", Spatial::None) });
     }
     for shifts in [1, 4, 16, 64] {

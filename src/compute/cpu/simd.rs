@@ -143,9 +143,12 @@ fn add_any(to: &mut [f64], from: &[f32]) {
 /// value that depends on all of them.
 pub fn fma_gflop(level: SimdLevel, rounds: u32) -> (f64, f32) {
     #[cfg(target_arch = "x86_64")]
-    if level >= SimdLevel::Avx2 {
+    match level {
         // SAFETY: the level was detected.
-        return unsafe { fma_avx2(rounds) };
+        SimdLevel::Avx512 => return unsafe { fma_avx512(rounds) },
+        // SAFETY: likewise.
+        SimdLevel::Avx2 => return unsafe { fma_avx2(rounds) },
+        SimdLevel::Portable => {}
     }
     let _ = level;
     let mut sums = [[1f32; 8]; 8];
@@ -155,6 +158,20 @@ pub fn fma_gflop(level: SimdLevel, rounds: u32) -> (f64, f32) {
         }
     }
     (f64::from(rounds) * 64.0 * 2e-9, sums.iter().flatten().sum())
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
+fn fma_avx512(rounds: u32) -> (f64, f32) {
+    let (a, b) = (_mm512_set1_ps(0.999), _mm512_set1_ps(0.001));
+    let mut sums: [__m512; 12] = std::array::from_fn(|k| _mm512_set1_ps(k as f32));
+    for _ in 0..rounds {
+        for sum in &mut sums {
+            *sum = _mm512_fmadd_ps(*sum, a, b);
+        }
+    }
+    let total = sums.into_iter().fold(_mm512_setzero_ps(), |t, s| _mm512_add_ps(t, s));
+    (f64::from(rounds) * 12.0 * 16.0 * 2e-9, _mm512_reduce_add_ps(total))
 }
 
 #[cfg(target_arch = "x86_64")]
