@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use super::{Benchmark, Scene, tables};
-use crate::display::figure::{IN_TURN, Rgb};
+use crate::display::figure::IN_TURN;
 use crate::display::{escape, log_ticks, shortened};
 use crate::report::{Asked, Columns, Numbers, Page};
 
@@ -33,12 +33,15 @@ struct Curve {
     name: String,
     points: Vec<[f64; 2]>,
     /// Names beside points; none where there are none.
-    labels: Vec<String>,
+    labels: Vec<Label>,
     joined: bool,
 }
 
-/// Begins the label of a point of the front.
-const FRONT: char = '◦';
+/// What a point is called, and whether no other beats it.
+struct Label {
+    text: String,
+    front: bool,
+}
 
 const WIDTH: f64 = 960.0;
 const PANEL: [f64; 2] = [960.0, 420.0];
@@ -121,8 +124,7 @@ fn of_scene(scene: &Scene) -> Panel {
         let family = if way.error.is_none() { "by chance alone, K = 1" } else { family(&way.method) };
         let family = format!("{family}{on}");
         let exact = if error == 0.0 { ": exact" } else { "" };
-        let front = if way.front { format!("{FRONT} ") } else { String::new() };
-        let label = format!("{front}{}{on}{exact}", way.method);
+        let label = Label { text: format!("{}{on}{exact}", way.method), front: way.front };
         let point = [way.seconds.median, error.max(floor)];
         match curves.iter_mut().find(|curve| curve.name == family) {
             Some(curve) => {
@@ -195,10 +197,6 @@ fn of_growth(all: &Benchmark) -> Vec<Panel> {
         }
     };
     ladders.map(panel).collect()
-}
-
-fn rgb(Rgb(r, g, b): Rgb) -> String {
-    format!("rgb({r},{g},{b})")
 }
 
 /// Panels below each other.
@@ -277,7 +275,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
     }
     let mut row = up + 8.0;
     for (turn, (curve, color)) in panel.curves.iter().zip(IN_TURN.iter().cycle()).enumerate() {
-        let color = rgb(*color);
+        let color = color.to_string();
         // Colours come again hollow.
         let fill = if turn < IN_TURN.len() { &color } else { "#fff" };
         let place = |p: &[f64; 2]| [x(p[0]), y(p[1])];
@@ -297,7 +295,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
         for (k, point) in curve.points.iter().enumerate() {
             let [cx, cy] = place(point);
             let label = curve.labels.get(k);
-            if label.is_some_and(|label| label.starts_with(FRONT)) {
+            if label.is_some_and(|label| label.front) {
                 let _ = writeln!(
                     svg,
                     r#"<circle cx="{cx:.1}" cy="{cy:.1}" r="7.5" fill="none" stroke="{color}" stroke-width="1.4"/>"#
@@ -314,7 +312,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
                     letter(panel, curve, k),
                     right + 40.0,
                     letter(panel, curve, k),
-                    escape(&shortened(label.trim_start_matches([FRONT, ' ']), 38))
+                    escape(&shortened(&label.text, 38))
                 );
                 row += 15.0;
             }
@@ -339,7 +337,7 @@ fn draw(svg: &mut String, panel: &Panel, top: f64) {
 /// The points that no other beats, from the fastest on; none where none is named so.
 fn front(panel: &Panel) -> Option<Vec<[f64; 2]>> {
     let all = panel.curves.iter().flat_map(|curve| curve.points.iter().zip(&curve.labels));
-    let mut front: Vec<[f64; 2]> = all.filter(|(_, label)| label.starts_with(FRONT)).map(|(point, _)| *point).collect();
+    let mut front: Vec<[f64; 2]> = all.filter(|(_, label)| label.front).map(|(point, _)| *point).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     (front.len() > 1).then_some(front)
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::Convergence;
-use crate::display::figure::{IN_TURN, Rgb};
+use crate::display::figure::IN_TURN;
 use crate::display::{Ladder, LadderFrame, Rung, RungMark, escape, log_ticks};
 
 /// Of the whole, and of the frame of a panel within it, in px.
@@ -40,10 +40,6 @@ impl Panel {
     }
 }
 
-fn rgb(Rgb(r, g, b): Rgb) -> String {
-    format!("rgb({r},{g},{b})")
-}
-
 /// The figure as SVG.
 pub(super) fn svg(all: &Convergence) -> String {
     let panels = all.integrands.len();
@@ -68,7 +64,7 @@ pub(super) fn svg(all: &Convergence) -> String {
 "##
     );
     for ((name, [x, y]), color) in names.iter().zip(&legend).zip(IN_TURN.iter().cycle()) {
-        let color = rgb(*color);
+        let color = color.to_string();
         let _ = writeln!(
             svg,
             r#"<path d="M{x:.1} {:.1}h22" stroke="{color}" stroke-width="2"/><circle cx="{:.1}" cy="{:.1}" r="3.6" fill="{color}"/><text x="{:.1}" y="{y:.1}">{name}</text>"#,
@@ -140,7 +136,7 @@ fn panel(svg: &mut String, all: &Convergence, k: usize, curves: &[(usize, Ladder
         );
     }
     for (subject, ladder) in curves {
-        let color = rgb(IN_TURN[subject % IN_TURN.len()]);
+        let color = IN_TURN[subject % IN_TURN.len()].to_string();
         if let Some(fit) = panel.frame.fit(ladder) {
             panel.line(svg, fit, &format!(r#"stroke="{color}" stroke-width="1.8""#));
         }

@@ -10,6 +10,13 @@ use crate::named::named;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Rgb(pub(crate) u8, pub(crate) u8, pub(crate) u8);
 
+/// As SVG has it.
+impl std::fmt::Display for Rgb {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "rgb({},{},{})", self.0, self.1, self.2)
+    }
+}
+
 /// The palette (Okabe and Ito 2008, told apart by colour-blind readers) and the greys around it.
 pub(crate) const BLUE: Rgb = Rgb(0, 114, 178);
 pub(crate) const VERMILION: Rgb = Rgb(213, 94, 0);
