@@ -48,9 +48,13 @@ fn table(device: &dyn Compute, by_processor: bool) {
         let n = 10_000;
         let (ensemble, shape) = uniform(dim, n, 1);
         let name = |what: &str| format!("pairs {dim}D, n = {n}, r < 0.5, {bins} {what}bins");
-        for (what, bins) in
-            [("", RadialBins::linear(0.5, bins)), ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins))]
-        {
+        // Edges that are given, here of equal areas.
+        let edge = |k: usize| 0.5 * (k as f64 / bins as f64).sqrt();
+        for (what, bins) in [
+            ("", RadialBins::linear(0.5, bins)),
+            ("logarithmic ", RadialBins::logarithmic(1e-3, 0.5, bins)),
+            ("given ", RadialBins::from_edges((0..=bins).map(edge).collect())),
+        ] {
             let Ok(bins) = bins else { continue };
             if !wanted(&name(what)) {
                 continue;

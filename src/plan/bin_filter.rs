@@ -53,10 +53,14 @@ impl BinTable {
     /// Marks a cell near which several edges lie.
     pub const SEARCH: u32 = 1 << 31;
 
-    /// The bin of `r2` by search (the number of bins for none); `None` where f32 does not decide it.
+    /// The bin of `r2` (the number of bins for none); `None` where f32 does not decide it.
     pub fn bin(&self, r2: f32) -> Option<u32> {
+        let cell = (r2.to_bits() >> Self::CELL_SHIFT).saturating_sub(self.first_cell) as usize;
         // The slot is the number of edges at or below, if no edge is in doubt.
-        let slot = self.high.partition_point(|&high| high < r2);
+        let slot = match self.cells[cell.min(self.cells.len() - 1)] {
+            Self::SEARCH => self.high.partition_point(|&high| high < r2),
+            edge => edge as usize + usize::from(self.high[edge as usize] < r2),
+        };
         let decided = self.low.get(slot).is_none_or(|&low| r2 < low);
         decided.then(|| slot.wrapping_sub(1).min(self.low.len() - 1) as u32)
     }

@@ -21,7 +21,7 @@ pub struct SearchCosts {
     pub device: &'static str,
     /// Looking at one pair, with bins that are found by a square root.
     pub pair: f64,
-    /// The same with bins from a table.
+    /// The same with bins by a logarithm or from a table.
     pub pair_by_table: f64,
     /// Beginning a row, which is one point against all its partners; pairs that fill up the last vector included.
     pub row: f64,
@@ -41,11 +41,11 @@ pub struct SearchCosts {
 
 impl SearchCosts {
     /// Fitted to the times that `benches/pair_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512). Only
-    /// ratios matter, and those are much the same on other processors.
+    /// ratios matter, and those are much the same on other processors; `pairwave bench --calibrate` measures them.
     pub const CPU: Self = Self {
         device: "the CPU, one thread",
         pair: 0.44,
-        pair_by_table: 2.0,
+        pair_by_table: 0.62,
         row: 23.0,
         partner: 0.16,
         range: 45.0,

@@ -177,7 +177,9 @@ impl<'a> Set<'a> {
 enum Filter<'a> {
     Linear(Box<LinearBins>),
     Log(Box<LogBins<'a>>),
-    Table(TableBins<'a>),
+    Table(Box<TableBins<'a, u16>>),
+    /// More than a table of 16 bits holds.
+    Wide(Box<TableBins<'a, u32>>),
     /// Bins that f32 cannot tell apart: all pairs with `r2` up to this are undecided.
     Near(f32),
 }
@@ -203,7 +205,9 @@ impl<'a> Filter<'a> {
             BinFilter::Table(table) => {
                 let log = first > 0.0 && all(&|k| first * (last / first).powf(k / bins as f64));
                 let log = log.then(|| LogBins::new(table, first * steps, last * steps, displaced)).flatten();
-                log.map_or_else(|| Self::Table(TableBins::new(table)), |log| Self::Log(Box::new(log)))
+                let wide = || Self::Wide(Box::new(TableBins::new(table)));
+                let by_table = || TableBins::narrow(table).map_or_else(wide, |narrow| Self::Table(Box::new(narrow)));
+                log.map_or_else(by_table, |log| Self::Log(Box::new(log)))
             }
             // Rounding coordinates moves a difference by at most 1.5 steps per axis.
             BinFilter::Linear { .. } => Self::Near(((last * steps + 3.0).powi(2) * 1.000_01) as f32),
@@ -224,6 +228,7 @@ impl<'a> Filter<'a> {
             Self::Linear(linear) => by_r2(level, job, |r2| linear.bin(r2), none, sink, undecided),
             Self::Log(log) => by_r2(level, job, |r2| log.bin(r2), none, sink, undecided),
             Self::Table(table) => by_r2(level, job, |r2| table.bin(r2), none, sink, undecided),
+            Self::Wide(table) => by_r2(level, job, |r2| table.bin(r2), none, sink, undecided),
             Self::Near(beyond) => by_r2(level, job, |r2| near_bin(*beyond, bins, r2), none, sink, undecided),
         }
     }
@@ -282,6 +287,7 @@ impl Tally {
             Filter::Linear(linear) => (linear.copies(), linear.stride()),
             Filter::Log(log) => (log.copies(), log.stride()),
             Filter::Table(table) => (table.copies(), table.stride()),
+            Filter::Wide(table) => (table.copies(), table.stride()),
             Filter::Near(_) => (1, stride_of(bins)),
         };
         Self {
@@ -386,7 +392,8 @@ impl Tally {
         let counted = match filter {
             Filter::Linear(linear) => count_rows(level, &job, &**linear, stream, short, undecided),
             Filter::Log(log) => count_rows(level, &job, &**log, stream, short, undecided),
-            Filter::Table(table) => count_rows(level, &job, table, stream, short, undecided),
+            Filter::Table(table) => count_rows(level, &job, &**table, stream, short, undecided),
+            Filter::Wide(table) => count_rows(level, &job, &**table, stream, short, undecided),
             Filter::Near(_) => false,
         };
         if !counted {
