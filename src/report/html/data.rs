@@ -4,6 +4,7 @@ use std::io;
 use std::ops::Range;
 
 use base64::Engine as _;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::super::columns::{Columns, Place};
@@ -161,7 +162,8 @@ fn packed(values: &[f64]) -> (u32, String) {
     let (digits, bytes): (u32, Vec<u8>) = if kept.len() <= SINGLE {
         (7, kept.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect())
     } else {
-        (3, kept.iter().flat_map(|v| three_digits(*v).to_le_bytes()).collect())
+        let codes: Vec<u16> = kept.par_iter().map(|v| three_digits(*v)).collect();
+        (3, codes.into_iter().flat_map(u16::to_le_bytes).collect())
     };
     (digits, base64::engine::general_purpose::STANDARD.encode(bytes))
 }

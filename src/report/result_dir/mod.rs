@@ -130,7 +130,7 @@ impl Files<'_> {
     pub(crate) fn add(&mut self, name: &'static str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
         if self.done.last().is_none_or(|last| last.1.is_ok()) {
             let result = fs::File::create(self.dir.join(name)).and_then(|file| {
-                let mut file = io::BufWriter::new(file);
+                let mut file = io::BufWriter::with_capacity(1 << 18, file);
                 write(&mut file)?;
                 file.flush()
             });

@@ -47,35 +47,38 @@ pub(crate) fn image(analysis: &Analysis) -> Option<Image> {
 
     let tone = |p: f64| ToneMap::Reinhard.tone(p, n);
     let p = |m0: i32, m1: i32| spectrum.p[grid.half_index([m0, m1, 0])];
-    let modes = || (-h1..=h1).rev().flat_map(|m1| (-h0..=h0).map(move |m0| (m0, m1)));
-    let mut tones = vec![0.0; (width * height) as usize];
-    let mut fill = |x: std::ops::Range<u32>, y: std::ops::Range<u32>, v: f64| {
-        for y in y {
-            for tone in &mut tones[(y * width + x.start) as usize..(y * width + x.end) as usize] {
-                *tone = v.max(*tone);
+    // A row of modes is a row of pixels, several times.
+    let mut image: Vec<u8> = Vec::with_capacity(3 * (width * height) as usize);
+    let mut peaks = Vec::new();
+    for m1 in (-h1..=h1).rev() {
+        let start = image.len();
+        for m0 in -h0..=h0 {
+            let is_dc = (m0, m1) == (0, 0);
+            let tone = tone(p(m0, m1));
+            let color = if is_dc { DC } else { sequential(tone) };
+            (0..dx).for_each(|_| image.extend(color));
+            if p(m0, m1) > peak(n) && !is_dc {
+                peaks.push(((m0 + h0) as u32 * dx + dx / 2, (h1 - m1) as u32 * dy + dy / 2, tone));
             }
         }
-    };
-    let mut peaks = Vec::new();
-    for (m0, m1) in modes() {
-        let (x, y) = ((m0 + h0) as u32 * dx, (h1 - m1) as u32 * dy);
-        fill(x..x + dx, y..y + dy, tone(p(m0, m1)));
-        if p(m0, m1) > peak(n) && (m0, m1) != (0, 0) {
-            peaks.push((x + dx / 2, y + dy / 2, tone(p(m0, m1))));
-        }
+        let row = start..image.len();
+        (1..dy).for_each(|_| image.extend_from_within(row.clone()));
     }
-    // As large as leaves most of the picture to the rest.
+    // As large as leaves most of the picture to the rest; the highest last, and the centre stays grey.
     let room = (f64::from(width) * f64::from(height) / 4.0 / peaks.len().max(1) as f64).sqrt();
     let reach = PEAK.min(room as u32) / 2;
-    for &(x, y, v) in peaks.iter().filter(|_| dx.min(dy) < PEAK) {
+    if dx.min(dy) < PEAK {
+        peaks.sort_by(|a, b| a.2.total_cmp(&b.2));
         let around = |at: u32, end: u32| at.saturating_sub(reach)..(at + reach + 1).min(end);
-        fill(around(x, width), around(y, height), v);
-    }
-    let mut image: Vec<u8> = tones.into_iter().flat_map(sequential).collect();
-    for y in (h1 as u32 * dy)..(h1 as u32 + 1) * dy {
-        for x in (h0 as u32 * dx)..(h0 as u32 + 1) * dx {
-            let at = 3 * (y * width + x) as usize;
-            image[at..at + 3].copy_from_slice(&DC);
+        let dc = [h0 as u32 * dx..(h0 as u32 + 1) * dx, h1 as u32 * dy..(h1 as u32 + 1) * dy];
+        for &(x, y, v) in &peaks {
+            let color = sequential(v);
+            for y in around(y, height) {
+                for x in around(x, width).filter(|x| !(dc[0].contains(x) && dc[1].contains(&y))) {
+                    let at = 3 * (y * width + x) as usize;
+                    image[at..at + 3].copy_from_slice(&color);
+                }
+            }
         }
     }
 
@@ -111,11 +114,13 @@ pub(super) fn grey(analysis: &Analysis) -> Option<Image> {
     let sides = analysis.domain.sides();
     let zoom @ [dx, dy] = pixels(modes, [sides[0], sides[1]]);
     let size = [0, 1].map(|axis| modes[axis] * zoom[axis]);
-    let at = |x: u32, y: u32| {
-        let pixel = 3 * ((y / dy) as usize * picture.width + (x / dx) as usize);
-        &picture.rgb[pixel..pixel + 3]
-    };
-    let rgb = (0..size[1]).flat_map(|y| (0..size[0]).flat_map(move |x| at(x, y))).copied().collect();
+    let mut rgb = Vec::with_capacity(3 * (size[0] * size[1]) as usize);
+    for row in picture.rgb.chunks_exact(3 * picture.width) {
+        let start = rgb.len();
+        row.chunks_exact(3).for_each(|color| (0..dx).for_each(|_| rgb.extend_from_slice(color)));
+        let row = start..rgb.len();
+        (1..dy).for_each(|_| rgb.extend_from_within(row.clone()));
+    }
     let half = modes.map(|modes| modes / 2);
     let seen = format!(
         "modes m_x = -{0}..{0} to the right, m_y = -{1}..{1} upward, up to {2} cycles per mean spacing, DC (the centre) masked",
