@@ -153,6 +153,10 @@ settings! {
     Threads = "threads",
     /// Memory of transforms and sums.
     Memory = "memory",
+    /// Costs of methods.
+    Costs = "costs",
+    /// A file that measured costs go to; no part of a request.
+    Calibrate = "calibrate",
     /// Where results go; no part of a request.
     Out = "out",
     /// Whether results that are there are replaced; no part of a request.

@@ -39,7 +39,7 @@ pub fn measure(points: impl Into<Arc<Points>>, request: &Request) -> Result<Anal
     let points = points.into();
     let plan = Plan::of(request, &points)?;
     crate::control::wait(async {
-        let device = Device::open(request.device, request.threads).await?;
+        let device = plan.open(request).await?;
         let plan = plan.for_device(device.compute());
         let mut measurement = Measurement::new(request.clone(), points, plan);
         measurement.finish(&device, &Control::default(), &mut |_| ()).await

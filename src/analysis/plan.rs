@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use crate::compute::Compute;
+use crate::compute::{Compute, Device};
 use crate::error::{Error, Result, number};
-use crate::plan::EnsembleShape;
+use crate::plan::{DeviceCosts, EnsembleShape};
 use crate::points::Domain;
-use crate::request::{Lists, Request, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
+use crate::request::{DeviceChoice, Lists, Request, Statistic, refuse_idle_settings, refuse_unknown_to_convention};
 use crate::setting::Setting;
 use crate::source::Points;
 use crate::statistics::ROOMS;
@@ -31,6 +31,9 @@ pub struct Plan {
     /// Number and size of all realizations.
     shape: EnsembleShape,
 }
+
+/// Seconds that a GPU takes to be opened, at least: a driver is loaded, kernels are compiled and checked.
+const SOON: f64 = 0.1;
 
 /// Values of simulated curves held at a time: 1 GiB.
 const MAX_SIMULATED: u64 = 1 << 27;
@@ -83,6 +86,9 @@ impl Plan {
     ) -> Result<Self> {
         let (request, left_out) = available(request, domain);
         let request = request.as_ref();
+        if let Some(path) = &request.costs {
+            lists.costs(path)?;
+        }
         let ask = Ask { request, lists: &lists, domain, shape, classes };
         let of_pairs = [Statistic::Pcf, Statistic::KFunction, Statistic::PcfVector, Statistic::Neighbors];
         check_points(of_pairs.into_iter().any(|s| ask.wants(s)), shape)?;
@@ -132,10 +138,37 @@ impl Plan {
         self.simulations as f64 * one
     }
 
+    /// Opens the device that the request asks for; where it leaves the choice, no GPU for what the CPU path has done before one is ready.
+    ///
+    /// # Errors
+    /// As `Device::open`.
+    pub async fn open(&self, request: &Request) -> Result<Device> {
+        if request.device == DeviceChoice::Auto {
+            let cpu = Device::open(DeviceChoice::Cpu, request.threads).await?;
+            let one = self.parts.iter().map(|part| self.seconds(part)).sum::<f64>() + self.simulated_seconds();
+            let seconds = one / cpu.pool().threads() as f64;
+            if seconds < SOON {
+                let note = format!(
+                    "{:.1} ms of work for the CPU path, less than a GPU takes to be ready: none was looked for",
+                    1e3 * seconds
+                );
+                return Ok(cpu.noted(note));
+            }
+        }
+        Device::open(request.device, request.threads).await
+    }
+
     /// The same plan with what suits a device.
     pub fn for_device(mut self, compute: &dyn Compute) -> Self {
-        self.parts.iter_mut().for_each(|part| part.suit(compute));
+        let device = self.costs_of(compute);
+        self.parts.iter_mut().for_each(|part| part.suit(&device));
         self
+    }
+
+    /// What methods cost on a device: as it was measured, where the request names a file of that, or as built in.
+    pub(super) fn costs_of(&self, compute: &dyn Compute) -> DeviceCosts {
+        let built_in = compute.costs();
+        self.lists.costs_read().map_or(built_in, |costs| costs.of(&compute.costs_name(), built_in))
     }
 
     /// What a simulation for envelopes needs of it.

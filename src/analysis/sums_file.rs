@@ -12,7 +12,7 @@ use super::{Measurement, Plan};
 use crate::accumulate::{Decoder, Encoder};
 use crate::compute::Device;
 use crate::error::{Error, Result};
-use crate::plan::{EnsembleShape, WaveList};
+use crate::plan::{Costs, EnsembleShape, WaveList};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Lists, Request, SETTINGS};
 use crate::setting::Setting;
@@ -24,7 +24,9 @@ impl Measurement {
     fn identity(&self) -> Value {
         let groups: Map<String, Value> =
             self.wanted().map(|track| (track.part.name().to_string(), track.part.identity())).collect();
-        json!({ "points": self.source.identity(), "domain": self.source.domain(), "sums": groups })
+        // Costs choose methods, which differ in the last bits of what they sum.
+        let costs = self.plan.lists.costs_read().map(Costs::digest);
+        json!({ "points": self.source.identity(), "domain": self.source.domain(), "sums": groups, "costs": costs })
     }
 
     fn wanted(&self) -> impl Iterator<Item = &Track> {
@@ -107,7 +109,8 @@ impl Measurement {
         // It was known at the first time what there is to know about them.
         self.source = source;
         self.plan = self.plan.clone().for_device(device.compute());
-        self.tracks.iter_mut().for_each(|track| track.part.suit(device.compute()));
+        let costs = self.plan.costs_of(device.compute());
+        self.tracks.iter_mut().for_each(|track| track.part.suit(&costs));
         Ok(())
     }
 
@@ -132,7 +135,8 @@ impl Measurement {
         let (edges, frequencies) = self.plan.lists.read();
         let mirrored = frequencies.map(|f| f.mirrored);
         let read = self.plan.lists_read();
-        out.value("lists", json!({ "edges": edges.is_some(), "frequencies": mirrored, "read": read }));
+        let costs = self.plan.lists.costs_read();
+        out.value("lists", json!({ "edges": edges.is_some(), "frequencies": mirrored, "read": read, "costs": costs }));
         out.f64s("edges", edges.into_iter().flatten().copied());
         out.f64s("frequencies", frequencies.into_iter().flat_map(|f| f.vectors.as_flattened()).copied());
         out.u64s("sizes", self.sizes.runs().flat_map(|(run, n)| [run.start, run.end, n]));
@@ -266,7 +270,9 @@ fn read_lists(from: &Decoder<'_>, domain: &Domain) -> Result<Lists> {
         Ok(WaveList { dim: domain.dim(), vectors, mirrored })
     };
     let said = given["read"].as_str().map(String::from);
-    Ok(Lists::given(edges, mirrored.map(list).transpose()?, said))
+    let costs: Option<Costs> =
+        serde_json::from_value(given["costs"].clone()).map_err(|e| from.error(format!("its costs: {e}")))?;
+    Ok(Lists::given(edges, mirrored.map(list).transpose()?, costs, said))
 }
 
 /// The integers and marks of one realization.

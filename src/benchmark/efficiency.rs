@@ -49,12 +49,23 @@ const SAMPLERS: [&str; 9] = [
 
 const INTEGRANDS: [&str; 3] = ["disk", "gaussian:sigma=0.1", "ramp"];
 
+/// Those that are asked for, or the usual ones.
+fn or_usual<'a>(asked: &'a [String], usual: &[&'a str]) -> Vec<&'a str> {
+    if asked.is_empty() { usual.to_vec() } else { asked.iter().map(String::as_str).collect() }
+}
+
 /// Draws and evaluates, on one thread.
-pub(super) fn measure(bench: &Bench<'_>) -> Result<Vec<Efficiency>> {
+pub(super) fn measure(bench: &Bench<'_>, samplers: &[String], integrands: &[String]) -> Result<Vec<Efficiency>> {
     let (most, k): (u32, u64) = bench.size((10, 32), (12, 128));
-    let integrands = INTEGRANDS.into_iter().map(|spec| Integrand::new(spec, 2)).collect::<Result<Vec<_>>>()?;
+    let integrands = or_usual(integrands, &INTEGRANDS);
+    let integrands = integrands.into_iter().map(|spec| Integrand::new(spec, 2)).collect::<Result<Vec<_>>>()?;
+    let mut samplers = or_usual(samplers, &SAMPLERS);
+    // What others are compared with.
+    if !samplers.contains(&"random") {
+        samplers.insert(0, "random");
+    }
     let mut all = Vec::new();
-    for sampler in SAMPLERS {
+    for sampler in samplers {
         for n in (4..=most).step_by(2).map(|e| 1u64 << e) {
             let process = super::process(sampler, n, k, 2)?;
             // A realization after the other, each timed.

@@ -117,6 +117,7 @@ fn pairs(bench: &Bench<'_>, sizes: Sizes) -> Result<(Timing, f64)> {
     let (ensemble, device) = problem(bench, sizes)?;
     let bins = RadialBins::linear(sizes.r_max, sizes.bins)?;
     let plan = PairPlan::new(ensemble.domain(), bins, Correction::None, ensemble.shape())?;
+    let plan = plan.for_device(bench.costs_of(&device).pairs);
     let (seconds, _) = bench.timed(&device, async |on| on.pair_counts(&plan, &ensemble).await)?;
     Ok((seconds, plan.seconds() * sizes.k as f64 / sizes.threads as f64))
 }
@@ -125,6 +126,7 @@ fn spectrum(bench: &Bench<'_>, sizes: Sizes) -> Result<(Timing, f64)> {
     let (ensemble, device) = problem(bench, sizes)?;
     let grid = WaveGrid::new(&[sizes.f, sizes.f])?;
     let plan = WavePlan::new(ensemble.domain(), grid, Accuracy::Fast, ensemble.shape())?;
+    let plan = WavePlan { costs: bench.costs_of(&device).waves, ..plan };
     let (seconds, _) = bench.timed(&device, async |on| on.wave_power(&plan, &ensemble).await)?;
     Ok((seconds, plan.seconds(sizes.n as f64) * sizes.k as f64 / sizes.threads as f64))
 }

@@ -32,7 +32,7 @@ pub(super) fn scene(bench: &Bench<'_>) -> Result<Scene> {
     for device in &bench.devices {
         for (method, plan) in &plans {
             let mut plan = plan.clone();
-            plan.pairs = plan.pairs.for_device(device.compute().pair_device());
+            plan.pairs = plan.pairs.for_device(device.compute().costs().pairs);
             let (seconds, sums) = bench.timed(device, async |on| on.kernel_sums(&plan, &ensemble).await)?;
             let found = KernelEstimate::new(&plan, &sums, Normalization::Pairs);
             if ways.is_empty() {

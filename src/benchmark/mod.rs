@@ -1,6 +1,7 @@
 //! Run time against error: every way in which the same numbers can be had on this machine, timed, and held against a slow exact one. See
 //! `docs/benchmarks.md`.
 
+mod calibrate;
 mod efficiency;
 mod figure;
 mod growth;
@@ -22,11 +23,13 @@ use crate::compute::{Device, Session, reference::Reference};
 use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
 use crate::named::named;
+use crate::plan::{Costs, DeviceCosts};
 use crate::points::{Domain, Ensemble, RawPoints};
 use crate::report::{self, Asked};
 use crate::request::DeviceChoice;
 use crate::samplers::{ParameterValues, Process, find_with_parameters};
 
+pub use calibrate::{Calibration, Explained};
 pub use efficiency::Efficiency;
 pub use growth::{Exponent, Grown};
 pub use skipped::Skipped;
@@ -66,6 +69,12 @@ pub struct Wanted {
     pub device: DeviceChoice,
     /// Threads of the CPU path; one, if it is not said.
     pub threads: Option<usize>,
+    /// Samplers whose errors are held against time, and random points; none: the usual ones.
+    pub samplers: Vec<String>,
+    /// What they integrate; none: the usual ones.
+    pub integrands: Vec<String>,
+    /// Whether the costs of methods are measured; without sections these and how times grow are all that is.
+    pub calibrate: bool,
 }
 
 /// One way to have the numbers of a scene.
@@ -119,6 +128,8 @@ pub struct Benchmark {
     pub exponents: Vec<Exponent>,
     /// Work that was not done.
     pub skipped: Vec<Skipped>,
+    /// What methods cost here.
+    pub calibration: Option<Calibration>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -133,6 +144,8 @@ struct Bench<'a> {
     /// The CPU path and, if there is one, a GPU.
     devices: Vec<Device>,
     machine: Machine,
+    /// What methods cost here, where that was measured.
+    costs: Option<Costs>,
     control: &'a Control,
 }
 
@@ -164,16 +177,31 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
     // Its share is nobody's: a section is told of as a whole.
     let quiet = control.beside();
     let machine = Machine::measure(name(&devices[0]), devices[0].pool(), care, &quiet)?;
-    let bench = Bench { quick: wanted.quick, care, devices, machine, control: &quiet };
-    let all = Section::ALL;
-    let sections: Vec<Section> =
-        all.iter().copied().filter(|s| wanted.sections.is_empty() || wanted.sections.contains(s)).collect();
+    let mut bench = Bench { quick: wanted.quick, care, devices, machine, costs: None, control: &quiet };
+    let own = !(wanted.samplers.is_empty() && wanted.integrands.is_empty());
+    let asked = match (&wanted.sections[..], wanted.calibrate) {
+        ([], true) if own => &[Section::Samplers, Section::Growth],
+        ([], true) => &[Section::Growth][..],
+        ([], false) if own => &[Section::Samplers],
+        ([], false) => Section::ALL,
+        (sections, _) => sections,
+    };
+    let sections: Vec<Section> = Section::ALL.iter().copied().filter(|s| asked.contains(s)).collect();
+    let planned = if wanted.quick { 20.0 } else { 150.0 };
+    let calibration = match wanted.calibrate {
+        true => {
+            control.begin();
+            progress(Progress { stage: "costs", done: 0, total: 1, before: 0.0, piece: 0.5, planned, known: None });
+            Some(calibrate::measure(&bench)?)
+        }
+        false => None,
+    };
+    bench.costs = calibration.as_ref().map(|found| found.costs.clone());
     let (mut scenes, mut efficiency, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
     let (mut grown, mut exponents) = (Vec::new(), Vec::new());
     for (k, section) in sections.iter().enumerate() {
         control.begin();
         let (before, piece) = (k as f64 / sections.len() as f64, 1.0 / sections.len() as f64);
-        let planned = if wanted.quick { 20.0 } else { 150.0 };
         let (stage, done, total) = (section.name(), k as u64, sections.len() as u64);
         progress(Progress { stage, done, total, before, piece, planned, known: None });
         match section {
@@ -181,7 +209,7 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
             Section::Kernel => scenes.push(kernel::scene(&bench)?),
             Section::Spectrum => scenes.extend(spectra::scenes(&bench)?),
             Section::Variance => scenes.extend(variance::scenes(&bench)?),
-            Section::Samplers => efficiency = efficiency::measure(&bench)?,
+            Section::Samplers => efficiency = efficiency::measure(&bench, &wanted.samplers, &wanted.integrands)?,
             Section::Growth => (grown, exponents) = growth::measure(&bench)?,
             Section::Skipped => skipped = skipped::measure(&bench)?,
         }
@@ -192,7 +220,7 @@ pub fn run(wanted: &Wanted, control: &Control, progress: &mut dyn FnMut(Progress
         warnings.extend(device.note().map(String::from));
     }
     warnings.dedup();
-    Ok(Benchmark { machine, scenes, efficiency, grown, exponents, skipped, warnings })
+    Ok(Benchmark { machine, scenes, efficiency, grown, exponents, skipped, calibration, warnings })
 }
 
 impl Bench<'_> {
@@ -219,6 +247,12 @@ impl Bench<'_> {
     fn plain<T: Send>(&self, work: impl Fn() -> T + Sync) -> Result<(Timing, T)> {
         let pool = self.devices[0].pool();
         self.care.time(self.control, || Ok(pool.install(&work)))
+    }
+
+    /// What methods cost on a device, as it was measured if it was.
+    fn costs_of(&self, device: &Device) -> DeviceCosts {
+        let (built_in, name) = (device.compute().costs(), device.compute().costs_name());
+        self.costs.as_ref().map_or(built_in, |costs| costs.of(&name, built_in))
     }
 
     /// The slow truth.

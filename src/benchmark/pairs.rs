@@ -52,7 +52,7 @@ fn scene(bench: &Bench<'_>, name: String, ensemble: &Ensemble, bins: usize) -> R
         });
     }
     for device in &bench.devices {
-        let plan = plan.clone().for_device(device.compute().pair_device());
+        let plan = plan.clone().for_device(device.compute().costs().pairs);
         let searches = plan.searches(&plan.device.costs);
         let cells = searches.iter().filter(|search| search.search != PairSearch::All);
         let best = cells.min_by(|a, b| a.seconds.total_cmp(&b.seconds));

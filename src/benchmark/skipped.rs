@@ -58,7 +58,9 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Vec<Skipped>> {
             &waves(),
             None,
         )?,
-        scene(bench, "variance of an integrand, all frequencies", integrate("gaussian:sigma=0.2"), &waves(), None)?,
+        scene(bench, "variance of an integral over a disk, all frequencies", integrate("disk"), &waves(), None)?,
+        scene(bench, "variance of a smooth integrand", integrate("gaussian:sigma=0.2"), &waves(), None)?,
+        scene(bench, "variance of a function of x alone", integrate("step"), &waves(), None)?,
     ];
     let many = Size { n: 400, k: bench.size(400, 4000), f: 0 };
     all.push(scene(bench, "g(0.05) to 0.02, of many realizations", pcf(0.1), &many, Some("pcf@0.05:0.02"))?);

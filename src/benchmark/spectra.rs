@@ -106,7 +106,7 @@ fn gflop(plan: &WavePlan) -> Option<f64> {
 
 /// The ways of a device to the same modes.
 fn methods(device: &Device, plan: &WavePlan) -> Vec<(String, WavePlan)> {
-    let of = |method| WavePlan { method: Some(method), costs: device.compute().wave_costs(), ..plan.clone() };
+    let of = |method| WavePlan { method: Some(method), costs: device.compute().costs().waves, ..plan.clone() };
     let high = |plan: WavePlan| WavePlan { accuracy: Accuracy::High, ..plan };
     if device.compute().pool().is_none() {
         // Panels are those of the kernel.

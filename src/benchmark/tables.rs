@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Benchmark, Grown, Scene, Way};
+use super::{Benchmark, Calibration, Explained, Grown, Scene, Way};
 use crate::report::some_columns;
 use crate::statistics::Table;
 
@@ -97,11 +97,56 @@ fn skipped(all: &Benchmark) -> Table {
         .floats("seconds", rows.iter().map(|s| s.seconds))
 }
 
+/// `calibration.csv`: a row per problem and method.
+fn calibration(rows: &[&Explained]) -> Table {
+    let yes = |is: bool| if is { "yes" } else { "" }.to_string();
+    Table::new()
+        .text("device", rows.iter().map(|e| e.device.clone()))
+        .text("problem", rows.iter().map(|e| e.problem.clone()))
+        .text("method", rows.iter().map(|e| e.method.clone()))
+        .floats("seconds", rows.iter().map(|e| e.seconds))
+        .floats("seconds_built_in", rows.iter().map(|e| e.built_in))
+        .floats("seconds_measured", rows.iter().map(|e| e.measured))
+        .floats("off", rows.iter().map(|e| e.seconds / e.measured))
+        .text("chosen", rows.iter().map(|e| yes(e.chosen)))
+        .text("fastest", rows.iter().map(|e| yes(e.fastest)))
+}
+
+/// The measured parts, and how well they explain what was timed.
+fn calibration_text(found: &Calibration) -> String {
+    let mut text = String::new();
+    for (device, measured) in &found.costs.devices {
+        let parts: Vec<_> = measured.pairs.iter().chain(&measured.waves).collect();
+        let table = Table::new()
+            .text("part", parts.iter().map(|(name, _)| (*name).clone()))
+            .floats("nanoseconds", parts.iter().map(|(_, value)| **value));
+        let heading = format!("what the parts of methods cost on {device}");
+        let _ = write!(text, "\n{}", some_columns(&heading, &["part", "nanoseconds"], &table));
+    }
+    let [measured, built_in] = found.typical_errors();
+    let missed: Vec<_> = found.missed().collect();
+    let _ = writeln!(
+        text,
+        "\nof {} problems and methods, these costs miss the time typically by {:.0} % (built-in ones, at the pace of this machine, by {:.0} %), {} by more than 15 %; at worst the chosen method takes {:.2} times as long as the best",
+        found.explained.len(),
+        100.0 * (measured - 1.0),
+        100.0 * (built_in - 1.0),
+        missed.len(),
+        found.worst_choice(),
+    );
+    if !missed.is_empty() {
+        let columns = ["problem", "method", "seconds", "seconds_measured", "off"];
+        let _ = write!(text, "{}", some_columns("those missed by more", &columns, &calibration(&missed)));
+    }
+    text
+}
+
 /// All that have rows, by the names of their files.
 pub(super) fn all(all: &Benchmark) -> Vec<(&'static str, Table)> {
     let tables = [
         ("bench.csv", ways(all)),
         ("efficiency.csv", efficiency(all)),
+        ("calibration.csv", calibration(&all.calibration.iter().flat_map(|c| &c.explained).collect::<Vec<_>>())),
         ("growth.csv", growth(all, &all.grown)),
         ("growth_exponents.csv", exponents(all)),
         ("skipped.csv", skipped(all)),
@@ -146,6 +191,9 @@ pub(super) fn text(all: &Benchmark) -> String {
         let columns = ["scene", "pairs", "pairs_part", "products", "products_part", "bytes_part", "seconds"];
         let heading = "work that was done, and as a part of what a plain implementation does";
         let _ = write!(text, "\n{}", some_columns(heading, &columns, &skipped(all)));
+    }
+    if let Some(found) = &all.calibration {
+        text.push_str(&calibration_text(found));
     }
     if !all.grown.is_empty() {
         let columns = ["of", "variable", "exponent", "exponent_se", "exponent_planned"];

@@ -106,7 +106,7 @@ impl Analyze {
         if let Some(line) = plan.lists_read().filter(|_| !self.quiet && !self.explain) {
             print(&format!("{line}\n"))?;
         }
-        let device = pairwave::control::wait(Device::open(self.request.device, self.request.threads))?;
+        let device = pairwave::control::wait(plan.open(&self.request))?;
         if let Some(note) = device.note().filter(|_| !self.quiet) {
             tell(&format!("note: {note}"));
         }
@@ -133,7 +133,7 @@ impl Analyze {
                     Ok(found) => {
                         bar.finish();
                         let sums = self.batch.keep_sums.then(|| measurement.write());
-                        match self.conclude(found, out, sums.as_deref()) {
+                        match device.pool().install(|| self.conclude(found, out, sums.as_deref())) {
                             Err(error @ Error::File { .. }) => Ended::Failed(error),
                             done => return done,
                         }
@@ -145,7 +145,7 @@ impl Analyze {
         };
         bar.finish();
         unhurried();
-        self.keep(&measurement, out, ended)
+        device.pool().install(|| self.keep(&measurement, out, ended))
     }
 
     /// Measures the points and those beside them, each into a directory of its own, and compares the others with the first.

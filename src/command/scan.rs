@@ -31,7 +31,7 @@ pub(crate) struct Asked {
 impl Asked {
     pub(crate) fn run(self) -> Result<()> {
         let control = stop_on_interrupt()?;
-        report::check_file(&self.out, self.force)?;
+        report::check_file(Setting::Out, &self.out, self.force)?;
         report::check_not_read(&self.out, &self.points.files)?;
         let scan = Scan::of(&self.points, &control)?;
         if !self.quiet {

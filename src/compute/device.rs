@@ -61,16 +61,22 @@ impl Device {
             DeviceChoice::Auto => match gpu(AdapterChoice::HardwareOnly).await {
                 Err(error @ (Error::NoDevice { .. } | Error::Device { .. })) => {
                     let note = format!("{}; using the native CPU path", reason(&error));
-                    Ok(Self { note: Some(note), ..Self::new(Box::new(Cpu::new(threads)?), threads)? })
+                    Ok(Self::new(Box::new(Cpu::new(threads)?), threads)?.noted(note))
                 }
                 opened => opened,
             },
         }
     }
 
-    /// What the user should know about the choice: why `auto` did not take a GPU.
+    /// What the user should know about the choice: why `auto` has not taken a GPU.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
+    }
+
+    /// The same, with a note about the choice.
+    #[must_use]
+    pub(crate) fn noted(self, note: String) -> Self {
+        Self { note: Some(note), ..self }
     }
 
     /// What was opened, without the CPU path behind it.

@@ -22,14 +22,14 @@ pub(crate) use device::Session;
 use std::pin::Pin;
 
 use crate::accumulate::{
-    ComputedBy, CountSums, DiscrepancySums, IntegrationSums, IntensitySums, KernelSums, LagCounts, NeighborSums,
-    PairCounts, WaveCovariance, WavePower,
+    Backend, ComputedBy, CountSums, DiscrepancySums, IntegrationSums, IntensitySums, KernelSums, LagCounts,
+    NeighborSums, PairCounts, WaveCovariance, WavePower,
 };
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::plan::{
-    CountPlan, CovariancePlan, DiscrepancyPlan, IntegrationPlan, IntensityPlan, KernelPlan, LagPlan, NeighborPlan,
-    PairDevice, PairPlan, WaveCosts, WavePlan,
+    CPU_COSTS, CountPlan, CovariancePlan, DeviceCosts, DiscrepancyPlan, IntegrationPlan, IntensityPlan, KernelPlan,
+    LagPlan, NeighborPlan, PairPlan, WavePlan,
 };
 use crate::points::Ensemble;
 use crate::pool::Pool;
@@ -111,14 +111,15 @@ pub trait Compute: Send + Sync {
         }
     }
 
-    /// What plans of pairs must know of it: they choose by that.
-    fn pair_device(&self) -> PairDevice {
-        PairDevice::CPU
+    /// What methods cost here, as built in: plans choose by that.
+    fn costs(&self) -> DeviceCosts {
+        DeviceCosts::CPU
     }
 
-    /// What the ways to a spectrum cost here.
-    fn wave_costs(&self) -> WaveCosts {
-        WaveCosts::CPU
+    /// What it is called where its costs were measured.
+    fn costs_name(&self) -> String {
+        let by = self.computed_by();
+        if by.backends.contains(&Backend::Gpu) { by.device() } else { CPU_COSTS.into() }
     }
 
     /// The threads it works with, where it has some.

@@ -27,9 +27,11 @@ pub struct IntegrationErrors {
     pub pairs: PairSum,
     /// How many of the frequencies that add most are to be named.
     pub top: Option<u32>,
-    /// Largest frequencies of the grid, and along an axis alone.
+    /// The largest frequencies along each axis that were asked for, or are usual.
+    pub asked_frequency: Vec<u32>,
+    /// Those that are summed: as many, or as far as an integrand has coefficients.
     pub max_frequency: Vec<u32>,
-    /// The latter.
+    /// The largest along an axis alone.
     pub axis_frequency: u32,
     /// Largest low frequency of the truncated phase term.
     pub low_frequency: u32,
@@ -278,6 +280,7 @@ impl IntegrationErrors {
             estimator: plan.estimator,
             pairs: plan.pairs,
             top: plan.top,
+            asked_frequency: plan.asked.clone(),
             max_frequency: plan.max_frequency().to_vec(),
             axis_frequency: plan.axis_frequency(),
             low_frequency: plan.low.max_frequency()[0],
@@ -493,9 +496,9 @@ pub(super) fn highest_excess(plan: &IntegrationPlan, power: &[f64], axes: &[Vec<
     let frequencies = grid.max_frequency();
     const DIRECTIONS: usize = 16;
     let (mut sums, mut counts) = ([0.0; DIRECTIONS], [0.0; DIRECTIONS]);
-    for (index, q) in power.iter().enumerate() {
+    for (index, q) in power.iter().enumerate().filter(|(index, _)| plan.grid.computes(*index)) {
         let m = grid.mode(index);
-        let out = (0..grid.dim()).map(|a| f64::from(m[a].abs()) / f64::from(frequencies[a])).fold(0.0, f64::max);
+        let out = (0..grid.dim()).map(|a| f64::from(m[a].abs()) / f64::from(frequencies[a].max(1))).fold(0.0, f64::max);
         if out > 0.9 && q.is_finite() {
             let angle = f64::from(m[1]).atan2(f64::from(m[0])).rem_euclid(std::f64::consts::PI);
             let at = ((angle / std::f64::consts::PI * DIRECTIONS as f64) as usize).min(DIRECTIONS - 1);

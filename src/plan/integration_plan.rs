@@ -125,6 +125,8 @@ pub struct IntegrationPlan {
     pub grid: WavePlan,
     /// Along each axis alone, those up to M.
     pub axes: Vec<WavePlan>,
+    /// The largest frequencies along each axis that were asked for, where the grid has been cut to those that integrands have.
+    pub asked: Vec<u32>,
     /// Frequencies of the truncated phase term.
     pub low: WaveGrid,
     /// Shifts of the torus, beside the random one of each realization: points of a lattice.
@@ -142,6 +144,9 @@ pub struct IntegrationPlan {
     /// What is known of each integrand at these frequencies and lags.
     pub(crate) tables: Arc<[IntegrandTable]>,
 }
+
+/// A coefficient is 0 where it is less than this times the root of the integral of f^2: less than what a mean of f is rounded by.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// Of one integrand.
 #[derive(Debug)]
@@ -280,6 +285,7 @@ impl IntegrationPlan {
             estimator,
             grid,
             axes,
+            asked: frequencies,
             low,
             shifts: Arc::new(shifts),
             pairs,
@@ -289,6 +295,53 @@ impl IntegrationPlan {
             batch,
             tables: tables.into(),
         })
+    }
+
+    /// Without the frequencies at which no integrand has a coefficient: the grid and the axes end where the last of them is, and what is 0 between
+    /// is not wanted. Nothing that is summed changes.
+    ///
+    /// # Errors
+    /// None that a plan does not have itself.
+    pub fn narrowed(self) -> Result<Self> {
+        let Some(whole) = self.grid.waves.grid().copied() else { return Ok(self) };
+        let dim = whole.dim();
+        let any = |of: &dyn Fn(&IntegrandTable) -> bool| self.tables.iter().any(of);
+        let mut last = [0; 3];
+        for index in (0..whole.half_len()).filter(|&index| any(&|table| table.grid[index] != 0.0)) {
+            last.iter_mut().zip(whole.mode(index)).for_each(|(last, m)| *last = m.unsigned_abs().max(*last));
+        }
+        // A grid without any frequency is none.
+        last[0] = last[0].max(1);
+        let part = WaveGrid::new(&last[..dim])?;
+        let from: Vec<usize> = (0..part.half_len()).map(|index| whole.half_index(part.mode(index))).collect();
+        // An axis has its own where they go on beyond those of the grid.
+        let along: Vec<usize> = (0..self.axes.len())
+            .map(|a| {
+                self.tables.iter().filter_map(|table| table.axes[a].iter().rposition(|f| *f != 0.0)).max().unwrap_or(1)
+            })
+            .collect();
+        let cut = |table: &IntegrandTable| IntegrandTable {
+            grid: from.iter().map(|&index| table.grid[index]).collect(),
+            axes: table.axes.iter().zip(&along).map(|(axis, &last)| axis[..=last].to_vec()).collect(),
+            low: table.low.clone(),
+            nodes: table.nodes.clone(),
+        };
+        let tables: Vec<IntegrandTable> = self.tables.iter().map(cut).collect();
+        let wanted: Vec<u32> =
+            (0..part.half_len()).map(|index| u32::from(tables.iter().any(|table| table.grid[index] != 0.0))).collect();
+        let narrow = |plan: &WavePlan, last: &[u32]| -> Result<WavePlan> {
+            let grid = WaveGrid::new(last)?;
+            Ok(WavePlan {
+                costs: plan.costs,
+                ..WavePlan::new(&plan.domain, grid, plan.accuracy, plan.shape)?.within(plan.memory)
+            })
+        };
+        let grid = narrow(&self.grid, &last[..dim])?;
+        let all = wanted.iter().enumerate().all(|(index, &wanted)| wanted > 0 || index == part.dc());
+        let grid = WavePlan { wanted: (!all).then(|| wanted.into()), ..grid };
+        let axes =
+            self.axes.iter().zip(&along).map(|(plan, &last)| narrow(plan, &[last as u32])).collect::<Result<_>>()?;
+        Ok(Self { grid, axes, tables: tables.into(), ..self })
     }
 
     /// The same where pairs are deposited, however few they are.
@@ -423,6 +476,7 @@ impl PartialEq for IntegrationPlan {
         specs(self) == specs(other)
             && importance(self) == importance(other)
             && (self.weighted, self.top) == (other.weighted, other.top)
+            && self.asked == other.asked
             && (&self.domain, self.estimator, &self.grid, &self.axes, self.low, self.pairs, self.shape, self.batch)
                 == (
                     &other.domain,
@@ -467,16 +521,18 @@ impl IntegrandTable {
         let all = integrand.coefficients(&frequencies[..dim]);
         // The stored half follows DC.
         let stored = &all[waves.full_len() / 2 - waves.dc()..];
-        let square = |(index, f): (usize, &Complex<f64>)| {
-            if index == waves.dc() { 0.0 } else { f64::from(waves.multiplicity(index)) * f.norm_sqr() }
+        let least = ROUNDING.powi(2) * (integrand.variance() + integrand.integral().powi(2));
+        let square = |f: Complex<f64>| if f.norm_sqr() <= least { 0.0 } else { f.norm_sqr() };
+        let stands_for = |(index, f): (usize, &Complex<f64>)| {
+            if index == waves.dc() { 0.0 } else { f64::from(waves.multiplicity(index)) * square(*f) }
         };
-        let squares = stored.iter().enumerate().map(square).collect();
+        let squares = stored.iter().enumerate().map(stands_for).collect();
         let on_axis = |(a, plan): (usize, &WavePlan)| {
             let reach = plan.waves.grid().map_or(0, |grid| grid.max_frequency()[0]);
             let at = |m: u32| {
                 let mut vector = [0; 3];
                 vector[a] = m as i32;
-                if m <= frequencies[a] { 0.0 } else { 2.0 * integrand.coefficient(&vector[..dim]).norm_sqr() }
+                if m <= frequencies[a] { 0.0 } else { 2.0 * square(integrand.coefficient(&vector[..dim])) }
             };
             (0..=reach).map(at).collect()
         };
@@ -597,6 +653,19 @@ impl fmt::Display for IntegrationPlan {
             Some(Importance::Warp(density)) => writeln!(f, "  points: placed by warp, as dense as {}", density.spec())?,
         }
         writeln!(f, "  spectral: |m| <= {}, along axes to {}", frequencies.join(", "), self.axis_frequency())?;
+        if let Some(grid) = self.grid.waves.grid() {
+            let asked: Vec<String> = self.asked.iter().map(u32::to_string).collect();
+            let all = WaveGrid::new(&self.asked).map_or(0, |whole| whole.half_len());
+            let summed = self.grid.needed().map_or(grid.half_len(), |needed| needed.iter().filter(|n| **n > 0).count());
+            let skipped = all.saturating_sub(summed + usize::from(self.grid.needed().is_some()));
+            if skipped > 0 {
+                writeln!(
+                    f,
+                    "  skipped: {skipped} of {all} modes up to {}, at which no integrand has a coefficient",
+                    asked.join(", ")
+                )?;
+            }
+        }
         match self.pairs {
             PairSum::Exact => writeln!(f, "  spatial: every pair"),
             PairSum::Deposit(cells) => writeln!(f, "  spatial: pairs deposited on {cells} lags per side, extrapolated"),

@@ -1,6 +1,7 @@
 //! The plan for the power spectrum.
 
 use std::fmt;
+use std::sync::Arc;
 
 use super::{
     Accuracy, Batch, Conventions, EnsembleShape, MEMORY_BUDGET, MethodEstimate, NufftSizes, PANEL,
@@ -26,6 +27,8 @@ pub struct WavePlan {
     pub conventions: Conventions,
     /// Whether only the rings are wanted: modes in none may be left out, and their sums are 0.
     pub rings_only: bool,
+    /// Of the stored modes those that are wanted, as 1; others may be left out, and their sums are 0. All of them, where it is none.
+    pub wanted: Option<Arc<[u32]>>,
     /// The promise to keep.
     pub accuracy: Accuracy,
     /// What the methods to it cost, by which each realization gets the fastest for its number of points.
@@ -75,6 +78,7 @@ impl WavePlan {
             taper: (!domain.is_torus()).then(TaperPlan::default),
             conventions: Conventions::default(),
             rings_only: false,
+            wanted: None,
             accuracy,
             costs: WaveCosts::CPU,
             method: None,
@@ -101,8 +105,8 @@ impl WavePlan {
 
     /// The part of the stored modes that is needed.
     fn share(&self) -> f64 {
-        let in_rings = |rings: &[u32]| rings.iter().filter(|&&ring| ring > 0).count() as f64 / self.waves.len() as f64;
-        self.needed().map_or(1.0, in_rings)
+        let share = |wanted: &[u32]| wanted.iter().filter(|&&w| w > 0).count() as f64 / self.waves.len() as f64;
+        self.needed().map_or(1.0, share)
     }
 
     /// The method of a realization of `n` points. It depends on nothing else of the ensemble, so that the parts of a batch,
@@ -123,14 +127,14 @@ impl WavePlan {
         one * self.tapers() * if method == WaveMethod::Nufft { self.blocks(n) as f64 } else { 1.0 }
     }
 
-    /// The ring of every stored mode (0 for none), where modes in none may be left out.
+    /// A number for every stored mode, where those of 0 may be left out: in no ring, or not wanted.
     pub fn needed(&self) -> Option<&[u32]> {
-        self.rings_only.then_some(&self.rings.ring_of)
+        self.wanted.as_deref().or_else(|| self.rings_only.then_some(&self.rings.ring_of))
     }
 
     /// Whether P at the stored mode is computed.
     pub fn computes(&self, index: usize) -> bool {
-        self.needed().is_none_or(|ring_of| ring_of[index] > 0)
+        self.needed().is_none_or(|needed| needed[index] > 0)
     }
 
     /// The same with power summed by direction (2D).
@@ -215,9 +219,13 @@ impl fmt::Display for WavePlan {
         if matches!(&self.waves, WaveVectors::List(list) if list.mirrored) {
             writeln!(f, "  {RING_DIRECTIONS_RULE}")?;
         }
-        if let Some(rings) = self.needed() {
-            let outside = rings.iter().filter(|&&ring| ring == 0).count();
-            writeln!(f, "  skipped: {outside} modes in no ring")?;
+        if let Some(needed) = self.needed() {
+            let outside = needed.iter().filter(|&&needed| needed == 0).count();
+            writeln!(
+                f,
+                "  skipped: {outside} modes {}",
+                if self.wanted.is_some() { "that nobody wants" } else { "in no ring" }
+            )?;
         }
         if let Some(grid) = self.waves.grid() {
             writeln!(f, "  skipped: {} modes that are mirror images", grid.full_len() - grid.half_len())?;

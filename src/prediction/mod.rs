@@ -118,7 +118,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
         equal: spectrum.equal,
     };
     let shape = EnsembleShape { realizations: 1, mean_points: n, max_points: n.ceil() as u64 };
-    let plan = IntegrationPlan::new(&domain, settings, shape)?;
+    let plan = IntegrationPlan::new(&domain, settings, shape)?.narrowed()?;
     let count_variance = if estimator == Estimator::Lambda { spectrum.count_variance.unwrap_or(0.0) } else { 0.0 };
     // Frequencies between those that were measured err together.
     let realizations = spectrum.realizations.filter(|_| scale == 1.0 && matches!(spectrum.power, Power::Grid { .. }));

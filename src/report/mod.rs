@@ -36,6 +36,7 @@ pub(crate) use svg::svg;
 pub(crate) use terminal::some_columns;
 pub use terminal::{numbers, plots};
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
@@ -111,7 +112,8 @@ const OF_SURVEYS: [&str; 9] = [
 const OF_CONVERGENCE: [&str; 4] = ["convergence.csv", "slopes.csv", "ranks.csv", "convergence.svg"];
 
 /// What a benchmark writes.
-const OF_BENCHMARK: [&str; 8] = [
+const OF_BENCHMARK: [&str; 9] = [
+    "calibration.csv",
     "skipped.csv",
     "bench.csv",
     "efficiency.csv",
@@ -173,12 +175,12 @@ pub fn check_out(dir: &Path, force: bool) -> Result<()> {
     result_dir::check_out(&names(), dir, force)
 }
 
-/// Whether a file could be written, asked before the long work.
+/// Whether the file that a setting names could be written, asked before the long work.
 ///
 /// # Errors
 /// A file that is there already, without `force`; a place where there can be none.
-pub fn check_file(path: &Path, force: bool) -> Result<()> {
-    plot::check_file(Setting::Out, path, force)
+pub fn check_file(setting: Setting, path: &Path, force: bool) -> Result<()> {
+    plot::check_file(setting, path, force)
 }
 
 /// Whether a file or directory that is to be written is none of those that are read, nor the result that a file is of.
@@ -240,15 +242,17 @@ pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf
     write_with(dir, analysis, Beside::default(), force)
 }
 
-/// The same with something beside it.
+/// The same with something beside it. What files hold is made on the threads of the pool that this is called in.
 ///
 /// # Errors
 /// As `write`.
 pub fn write_with(dir: &Path, analysis: &Analysis, beside: Beside<'_>, force: bool) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         let mut pictures = BTreeMap::new();
-        for output in outputs::all() {
-            match outputs::made(output, analysis) {
+        let outputs = outputs::all();
+        let made: Vec<_> = outputs.par_iter().map(|output| outputs::made(output, analysis)).collect();
+        for (output, made) in outputs.iter().zip(made) {
+            match made {
                 Ok(None) => {}
                 Ok(Some((content, picture))) => {
                     files.add(output.name, |file| content.write(file));

@@ -455,6 +455,13 @@ pub struct Request {
     /// sums: no number depends on it, but for the default of --max-frequency below 2GiB.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE"))]
     pub memory: Option<Memory>,
+
+    /// Costs of methods, from `bench --calibrate`
+    ///
+    /// A file of what methods cost on this machine, as `pairwave bench --calibrate FILE` measures it: which method is taken follows from
+    /// that, and with it the last digits of P, within what --accuracy promises. Without it: the costs that are built in.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub costs: Option<PathBuf>,
 }
 
 /// The word that asks for an estimate of the intensity.
@@ -528,6 +535,7 @@ impl Default for Request {
             accuracy: Accuracy::default(),
             threads: None,
             memory: None,
+            costs: None,
         }
     }
 }

@@ -116,7 +116,7 @@ macro_rules! row {
 
 /// All settings of a request, in the order of its fields.
 #[rustfmt::skip]
-pub static SETTINGS: [Row; 63] = [
+pub static SETTINGS: [Row; 64] = [
     row!(Files, "FILES", input.files, Points, usual: true, conflicts: &[Setting::Sampler]),
     row!(Sampler, "--sampler", input.sampler, Points, usual: true),
     row!(Points, "-n", input.points, Points, usual: true, for_samplers: true),
@@ -206,6 +206,7 @@ pub static SETTINGS: [Row; 63] = [
     row!(Accuracy, "--accuracy", accuracy, Computing, usual: true, default: Some("fast")),
     row!(Threads, "--threads", threads, Computing, usual: true, otherwise: "one per core"),
     row!(Memory, "--memory", memory, Computing, otherwise: "half of what the machine has"),
+    row!(Costs, "--costs", costs, Computing, otherwise: "built in"),
 ];
 
 /// The statistics that the program of a convention computes otherwise.
@@ -232,6 +233,7 @@ impl Setting {
     /// Its flag as a user types it, `--r-max`.
     pub fn flag(self) -> &'static str {
         match self {
+            Self::Calibrate => "--calibrate",
             Self::Out => "--out",
             Self::Force => "--force",
             Self::Projections => "--projections",

@@ -174,7 +174,7 @@ impl Push<'_> {
             let ensemble = Ensemble::from_raw(&[points(dim, coordinates)], &domain, false, 0)?;
             let plan = PairPlan::new(&domain, bins, Correction::None, ensemble.shape())?;
             let truth = Reference.pair_counts(&plan, &ensemble, self.control).await?;
-            let suited = plan.clone().for_device(self.device.compute().pair_device());
+            let suited = plan.clone().for_device(self.device.compute().costs().pairs);
             let found = self.session().pair_counts(&suited, &ensemble).await?;
             let wrong: u64 = found.counts.iter().zip(&truth.counts).map(|(a, b)| a.abs_diff(*b)).sum();
             let pairs = ensemble.points_in(0) as u64;
@@ -239,7 +239,7 @@ impl Push<'_> {
             let plan = WavePlan {
                 accuracy,
                 tolerance: accuracy.nufft_tolerance(),
-                costs: compute.wave_costs(),
+                costs: compute.costs().waves,
                 ..plan.clone()
             };
             for method in plan.methods(plan.shape.mean_points).into_iter().map(|estimate| estimate.method) {

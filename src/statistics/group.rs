@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, Sums};
-use crate::compute::{Compute, Pending, Session};
+use crate::compute::{Pending, Session};
 use crate::error::Result;
 use crate::estimate::Analysis;
-use crate::plan::{Batch, EnsembleShape};
+use crate::plan::{Batch, DeviceCosts, EnsembleShape};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Lists, Request, Statistic};
 use crate::samplers::Process;
@@ -94,7 +94,7 @@ pub(crate) trait Group: Clone + PartialEq + Debug + Display + Send + Sync + 'sta
     fn batch(&self) -> Batch;
 
     /// Takes what suits a device.
-    fn suit(&mut self, _: &dyn Compute) {}
+    fn suit(&mut self, _: &DeviceCosts) {}
 
     /// Sums of no realization yet: others are of this plan's form if they can be added to these.
     fn none(&self, by: ComputedBy) -> Self::Sums;
@@ -172,7 +172,7 @@ pub(crate) trait Part: Any + Debug + Display + Send + Sync {
     fn statistics(&self) -> Vec<Statistic>;
     fn identity(&self) -> Value;
     fn batch(&self) -> Batch;
-    fn suit(&mut self, compute: &dyn Compute);
+    fn suit(&mut self, device: &DeviceCosts);
     fn measure<'a>(&'a self, batch: &'a Ensemble, session: &'a mut Session<'_>) -> Pending<'a, Box<dyn PartSums>>;
     fn estimate(&self, sums: &dyn PartSums, subject: &Subject<'_>, found: &mut Analysis);
     fn warnings(&self, sums: &dyn PartSums, subject: &Subject<'_>, parts: &Parts, found: &Analysis) -> Vec<String>;
@@ -226,8 +226,8 @@ impl<G: Group> Part for G {
         Group::batch(self)
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        Group::suit(self, compute);
+    fn suit(&mut self, device: &DeviceCosts) {
+        Group::suit(self, device);
     }
 
     fn measure<'a>(&'a self, batch: &'a Ensemble, session: &'a mut Session<'_>) -> Pending<'a, Box<dyn PartSums>> {

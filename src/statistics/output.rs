@@ -81,9 +81,9 @@ pub(crate) struct Array<'a> {
 
 /// What an array holds.
 pub(crate) enum Values<'a> {
-    Real(Box<dyn Iterator<Item = f64> + 'a>),
-    Integer(Box<dyn Iterator<Item = u64> + 'a>),
-    Complex(Box<dyn Iterator<Item = Complex<f64>> + 'a>),
+    Real(Box<dyn Iterator<Item = f64> + Send + 'a>),
+    Integer(Box<dyn Iterator<Item = u64> + Send + 'a>),
+    Complex(Box<dyn Iterator<Item = Complex<f64>> + Send + 'a>),
 }
 
 /// A picture in pixels and what it shows.

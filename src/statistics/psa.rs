@@ -8,10 +8,10 @@ use super::group::{Ask, Group, Parts, Subject};
 use super::pairs::identity;
 use super::waves::Waves;
 use crate::accumulate::{ComputedBy, PsaCounts};
-use crate::compute::{Compute, Session};
+use crate::compute::Session;
 use crate::error::Result;
 use crate::estimate::{Analysis, PsaStatistics};
-use crate::plan::{Batch, Correction, PairPlan, RadialBins};
+use crate::plan::{Batch, Correction, DeviceCosts, PairPlan, RadialBins};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 
@@ -70,8 +70,8 @@ impl Group for Psa {
         self.pairs.as_ref().map_or(0.0, PairPlan::seconds)
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.pairs = self.pairs.take().map(|pairs| pairs.for_device(compute.pair_device()));
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.pairs = self.pairs.take().map(|pairs| pairs.for_device(device.pairs));
     }
 
     fn none(&self, _: ComputedBy) -> PsaCounts {

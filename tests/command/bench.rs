@@ -109,9 +109,71 @@ fn what_a_scene_does_not_need_is_not_done() {
     assert!(number(of("radial mean of P by 8 directions"), "products_part") < 0.2);
     let again = of("g and P again");
     assert!(number(again, "pairs") == 0.0 && number(again, "products") > 0.0, "{again:?}");
+    // A smooth integrand has few coefficients, and one of x alone none but along x.
+    let [all, smooth, along] = ["an integral over a disk", "a smooth integrand", "a function of x alone"]
+        .map(|of_| of(&format!("variance of {of_}")));
+    for (some, most) in [(smooth, 0.3), (along, 0.1)] {
+        assert!(number(some, "products") < most * number(all, "products"), "{some:?} against {all:?}");
+    }
     // A batch that is known well enough is not gone on with.
     let enough = of("g(0.05) to 0.02");
     assert!(enough["scene"].contains(" of 400") && number(enough, "pairs_part") < 0.9, "{enough:?}");
+}
+
+/// Costs are measured into a file, plans choose by it, and parts that chose by others are not added up.
+#[test]
+fn measured_costs_are_what_plans_choose_by() {
+    let scratch = Scratch::new();
+    let text = scratch.ok("bench --quick --calibrate costs.json --only growth --device cpu --out bench");
+    assert!(
+        text.contains("what the parts of methods cost on cpu") && text.contains("times as long as the best"),
+        "{text}"
+    );
+    let explained = rows(&scratch.path("bench"), "calibration.csv");
+    assert!(explained.len() > 40 && explained.iter().all(|row| number(row, "seconds") > 0.0));
+    for problem in explained.iter().map(|row| &row["problem"]) {
+        let of =
+            |column: &str| explained.iter().filter(|row| row["problem"] == *problem && row[column] == "yes").count();
+        assert!(of("chosen") >= 1 && of("fastest") >= 1, "{problem}");
+    }
+    scratch.fails("bench --quick --calibrate costs.json", 2, "--calibrate costs.json: is there already");
+    let explain = "analyze --sampler random -n 1000 -k 32 --stats spectrum --device cpu --max-frequency 40";
+    let plan = scratch.ok(&format!("{explain} --explain --costs costs.json"));
+    assert!(plan.contains("on the CPU, one thread, as measured here"), "{plan}");
+    // What makes transforms dear makes products the choice.
+    let path = scratch.path("costs.json");
+    let mut costs: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    let road = |costs: &serde_json::Value| {
+        std::fs::write(&path, costs.to_string()).unwrap();
+        let plan = scratch.ok(&format!("{explain} --explain --costs costs.json"));
+        plan.lines().find_map(|line| line.trim().strip_prefix("road: ")).unwrap().to_string()
+    };
+    for (part, value, method) in
+        [("nufft_cell", 1e6, "direct f32"), ("f32_mode", 1e6, "direct f64"), ("f64_mode", 1e9, "NUFFT")]
+    {
+        costs["devices"]["cpu"]["waves"][part] = value.into();
+        assert!(road(&costs).starts_with(method), "{part}: {}", road(&costs));
+    }
+    for (part, flags) in [(1, "--costs costs.json"), (2, "")] {
+        scratch.ok(&format!("{explain} {flags} --shard {part}/2 --out parts/{part}"));
+    }
+    scratch.fails("merge parts/1 parts/2 --out whole", 1, "costs");
+    costs["devices"]["cpu"]["waves"].as_object_mut().unwrap().remove("term");
+    std::fs::write(&path, costs.to_string()).unwrap();
+    scratch.fails(&format!("{explain} --costs costs.json"), 1, "costs.json: cpu has no term, in nanoseconds");
+    scratch.fails(&format!("{explain} --costs nowhere.json"), 1, "nowhere.json");
+}
+
+#[test]
+fn own_samplers_are_held_against_random_points() {
+    let scratch = Scratch::new();
+    let text = scratch.ok("bench --quick --sampler jittered --integrand step --device cpu --out bench");
+    let of = rows(&scratch.path("bench"), "efficiency.csv");
+    let names: std::collections::BTreeSet<_> = of.iter().map(|row| (&*row["sampler"], &*row["integrand"])).collect();
+    assert!(names.iter().map(|(s, _)| *s).eq(["jittered", "random"]) && text.contains("jittered"), "{names:?}");
+    assert!(names.iter().all(|(_, integrand)| integrand.starts_with("step")), "{names:?}");
+    scratch.fails("bench --quick --sampler jitered", 2, "jittered");
+    scratch.fails("bench --only pairs --integrand step", 2, "is of the section samplers");
 }
 
 #[test]

@@ -156,7 +156,7 @@ fn large_sets_count_as_on_the_cpu() {
     let cpu = Cpu::new(None).unwrap();
     let ensemble = ensemble(&[uniform(2, 60_000, 1), clustered(2, 30_000, 2)]);
     let plan = pair_plan(&ensemble, RadialBins::linear(0.01, 256).unwrap(), Correction::None);
-    let plan = plan.for_device(gpu.pair_device());
+    let plan = plan.for_device(gpu.costs().pairs);
     assert!(matches!(plan.search, PairSearch::Cells(_)));
     let here = wait(gpu.pair_counts(&plan, &ensemble, &go())).unwrap();
     assert_counts_equal("large sets", &here, &wait(cpu.pair_counts(&plan, &ensemble, &go())).unwrap());

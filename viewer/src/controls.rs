@@ -201,7 +201,7 @@ mod tests {
     use super::*;
 
     /// Why some settings have no control.
-    const WITHOUT: [Setting; 19] = [
+    const WITHOUT: [Setting; 20] = [
         // What panels are shown decides.
         Setting::Stats,
         // Panels show none of these.
@@ -222,6 +222,8 @@ mod tests {
         Setting::Inhomogeneous,
         Setting::IntensityBandwidth,
         Setting::IntensityGrid,
+        // It is for long runs.
+        Setting::Costs,
         // The list of files is edited as a whole.
         Setting::Files,
     ];

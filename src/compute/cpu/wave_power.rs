@@ -376,10 +376,10 @@ impl LeafJob<'_> {
 
     /// Adds realization `k`.
     fn add(&self, sums: &mut WavePower, k: usize, power: &mut [f64]) {
-        if let Some(rings) = self.plan.needed() {
+        if let Some(needed) = self.plan.needed() {
             // What a method may or may not compute, nobody sees.
             let dc = self.plan.waves.dc();
-            let outside = rings.iter().enumerate().filter(|&(at, &ring)| ring == 0 && Some(at) != dc);
+            let outside = needed.iter().enumerate().filter(|&(at, &needed)| needed == 0 && Some(at) != dc);
             outside.for_each(|(at, _)| power[at] = 0.0);
         }
         (self.see)(k, power);

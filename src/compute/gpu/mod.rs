@@ -35,7 +35,7 @@ use crate::accumulate::{Backend, ComputedBy};
 use crate::accumulate::{LagCounts, PairCounts, WavePower};
 use crate::control::Control;
 use crate::error::Result;
-use crate::plan::{Accuracy, LagPlan, PairDevice, PairPlan, SearchCosts, WaveCosts, WaveGrid, WavePlan};
+use crate::plan::{Accuracy, DeviceCosts, LagPlan, PairDevice, PairPlan, SearchCosts, WaveCosts, WaveGrid, WavePlan};
 use crate::points::Ensemble;
 
 /// Workgroups per dimension that every device takes.
@@ -199,12 +199,9 @@ impl Compute for GpuCompute {
         done.map_err(NotHere::Because)
     }
 
-    fn pair_device(&self) -> PairDevice {
-        PairDevice { costs: SearchCosts::GPU, buffers: Some(self.gpu.limits.max_storage_buffers_per_shader_stage) }
-    }
-
-    fn wave_costs(&self) -> WaveCosts {
-        WaveCosts::GPU
+    fn costs(&self) -> DeviceCosts {
+        let buffers = Some(self.gpu.limits.max_storage_buffers_per_shader_stage);
+        DeviceCosts { pairs: PairDevice { costs: SearchCosts::GPU, buffers }, waves: WaveCosts::GPU }
     }
 
     fn pair_counts<'a>(

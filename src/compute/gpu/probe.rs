@@ -207,7 +207,7 @@ async fn pairs_as_if(
 ) -> Result<Result<String, String>> {
     let (ensemble, mut shape) = ensemble(domain, sets)?;
     as_if(&mut shape);
-    let plan = PairPlan::new(domain, bins, Correction::None, shape)?.for_device(compute.pair_device());
+    let plan = PairPlan::new(domain, bins, Correction::None, shape)?.for_device(compute.costs().pairs);
     let truth = Reference.pair_counts(&plan, &ensemble, &Control::default()).await?;
     let here = compute.pair_counts(&plan, &ensemble, &Control::default()).await?;
     let total: u64 = truth.counts.iter().sum();
@@ -260,7 +260,7 @@ async fn edge_weights(compute: &GpuCompute) -> Result<Result<String, String>> {
     for (correction, r_max) in [(Correction::Isotropic, 0.7), (Correction::Translation, 0.7), (Correction::Border, 0.4)]
     {
         let bins = RadialBins::linear(r_max, 300)?;
-        let plan = PairPlan::new(&window, bins, correction, shape)?.for_device(compute.pair_device());
+        let plan = PairPlan::new(&window, bins, correction, shape)?.for_device(compute.costs().pairs);
         let truth = Reference.pair_counts(&plan, &ensemble, &Control::default()).await?;
         let here = compute.pair_counts(&plan, &ensemble, &Control::default()).await?;
         for (&a, &b) in truth.bins.sums.iter().zip(&here.bins.sums) {

@@ -1,4 +1,4 @@
-//! Parts of a request that lie in files: bin edges and wave vectors.
+//! Parts of a request that lie in files: bin edges, wave vectors, costs.
 
 mod edges;
 mod frequencies;
@@ -10,7 +10,7 @@ pub use edges::read_edges;
 pub use frequencies::{frequencies_of_bytes, read_frequencies};
 
 use crate::error::Result;
-use crate::plan::WaveList;
+use crate::plan::{Costs, WaveList};
 use crate::points::Domain;
 
 /// The lists that a request names, each read when it is first needed, or given.
@@ -18,16 +18,23 @@ use crate::points::Domain;
 pub(crate) struct Lists {
     edges: OnceLock<Vec<f64>>,
     frequencies: OnceLock<WaveList>,
+    costs: OnceLock<Costs>,
     /// What was read of the frequencies, in words.
     said: OnceLock<String>,
 }
 
 impl Lists {
     /// Those that were read before.
-    pub(crate) fn given(edges: Option<Vec<f64>>, frequencies: Option<WaveList>, said: Option<String>) -> Self {
+    pub(crate) fn given(
+        edges: Option<Vec<f64>>,
+        frequencies: Option<WaveList>,
+        costs: Option<Costs>,
+        said: Option<String>,
+    ) -> Self {
         let cell = Self::default();
         edges.into_iter().for_each(|edges| _ = cell.edges.set(edges));
         frequencies.into_iter().for_each(|list| _ = cell.frequencies.set(list));
+        costs.into_iter().for_each(|costs| _ = cell.costs.set(costs));
         said.into_iter().for_each(|said| _ = cell.said.set(said));
         cell
     }
@@ -53,6 +60,22 @@ impl Lists {
                 Ok(self.frequencies.get_or_init(|| list))
             }
         }
+    }
+
+    /// What methods cost, as measured.
+    pub(crate) fn costs(&self, path: &Path) -> Result<&Costs> {
+        match self.costs.get() {
+            Some(costs) => Ok(costs),
+            None => {
+                let costs = Costs::read(&path.display().to_string(), &crate::input::read_text(path)?)?;
+                Ok(self.costs.get_or_init(|| costs))
+            }
+        }
+    }
+
+    /// The same, where they were read.
+    pub(crate) fn costs_read(&self) -> Option<&Costs> {
+        self.costs.get()
     }
 
     /// What was read of files of frequencies, in a line.

@@ -135,6 +135,7 @@ impl Room for Here {
                 "points": found.placed.as_ref().map(|p| number(p.points)),
                 "expected_points": found.placed.as_ref().map(|p| p.expected),
                 "spatial_method": tables::method(found),
+                "asked_frequency": found.asked_frequency,
                 "max_frequency": found.max_frequency,
                 "axis_frequency": found.axis_frequency,
                 "low_frequency": found.low_frequency,

@@ -5,10 +5,10 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, IntegrationSums, WavePower};
-use crate::compute::{Compute, Session};
+use crate::compute::Session;
 use crate::error::{Result, number};
 use crate::estimate::{Analysis, IntegrationErrors};
-use crate::plan::{Batch, Importance, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
+use crate::plan::{Batch, DeviceCosts, Importance, IntegrationPlan, IntegrationSettings, PairSum, WavePlan};
 use crate::points::Ensemble;
 use crate::request::Statistic;
 use crate::statistics::group::{Ask, Group, Kept, Parts, Subject, digest};
@@ -63,7 +63,10 @@ pub(super) fn plan(ask: &Ask<'_>, parts: &mut Parts) -> Result<()> {
             plan.grid = waves.clone();
             true
         }
-        None => false,
+        None => {
+            plan = plan.narrowed()?;
+            false
+        }
     };
     parts.add_first(Integration { plan, lends });
     Ok(())
@@ -98,6 +101,7 @@ impl Group for Integration {
             "integrands": plan.integrands.iter().map(of).collect::<Vec<_>>(),
             "max_frequency": plan.max_frequency(),
             "axis_frequency": plan.axis_frequency(),
+            "all_modes": plan.grid.wanted.is_none(),
             "low_frequency": plan.low.max_frequency()[0],
             "shifts": digest(plan.shifts.iter().copied()),
             "density": density,
@@ -111,8 +115,8 @@ impl Group for Integration {
         self.plan.batch
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.plan.grid.costs = compute.wave_costs();
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.plan.grid.costs = device.waves;
     }
 
     fn seconds(&self, n: f64) -> f64 {

@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 
 use super::counts::{Pairs, identity};
 use crate::accumulate::{ComputedBy, CrossCounts, PairCounts};
-use crate::compute::{Compute, Session};
+use crate::compute::Session;
 use crate::error::{Error, Result};
 use crate::estimate::{Analysis, CrossCorrelation, CrossK};
-use crate::plan::{Batch, PairPlan};
+use crate::plan::{Batch, DeviceCosts, PairPlan};
 use crate::points::Ensemble;
 use crate::request::{Request, Statistic};
 use crate::statistics::classes::TwoClasses;
@@ -55,8 +55,8 @@ impl Group for Classes {
         self.pairs.seconds()
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.pairs = self.pairs.clone().for_device(compute.pair_device());
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.pairs = self.pairs.clone().for_device(device.pairs);
     }
 
     fn none(&self, by: ComputedBy) -> CrossCounts {

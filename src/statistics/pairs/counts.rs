@@ -6,10 +6,10 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, Decoder, Encoder, PairCounts, PairHistogram, Sums};
-use crate::compute::{Compute, Session};
+use crate::compute::Session;
 use crate::error::{Error, Result, number};
 use crate::estimate::{Analysis, ErrorSource, KFunction, Normalization, PairCorrelation, PairErrors};
-use crate::plan::{Batch, BinScale, Correction, PairPlan, PairSettings, RadialBins};
+use crate::plan::{Batch, BinScale, Correction, DeviceCosts, PairPlan, PairSettings, RadialBins};
 use crate::points::{Domain, Ensemble};
 use crate::request::{Request, Statistic};
 use crate::setting::Setting;
@@ -160,8 +160,8 @@ impl Group for Pairs {
         self.plan.batch
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.plan = self.plan.clone().for_device(compute.pair_device());
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.plan = self.plan.clone().for_device(device.pairs);
     }
 
     fn none(&self, by: ComputedBy) -> PairSums {

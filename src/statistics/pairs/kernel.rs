@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 
 use super::counts::identity;
 use crate::accumulate::{ComputedBy, KernelSums, PairCounts};
-use crate::compute::{Compute, Session};
+use crate::compute::Session;
 use crate::error::{Result, plural};
 use crate::estimate::{Analysis, CrossValidation, KernelEstimate};
-use crate::plan::{Bandwidth, BandwidthSearch, Batch, KernelPlan, PairSettings, RadialBins, Smoothing};
+use crate::plan::{Bandwidth, BandwidthSearch, Batch, DeviceCosts, KernelPlan, PairSettings, RadialBins, Smoothing};
 use crate::points::Ensemble;
 use crate::request::{Request, Statistic};
 use crate::statistics::group::{Ask, Group, Part, PartSums, Parts, Subject, digest, of};
@@ -68,8 +68,8 @@ impl Group for Search {
         self.0.pairs.batch
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.0.pairs = self.0.pairs.clone().for_device(compute.pair_device());
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.0.pairs = self.0.pairs.clone().for_device(device.pairs);
     }
 
     fn none(&self, by: ComputedBy) -> PairCounts {
@@ -115,8 +115,8 @@ impl Group for Smoothed {
         self.plan.pairs.batch
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.plan.pairs = self.plan.pairs.clone().for_device(compute.pair_device());
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.plan.pairs = self.plan.pairs.clone().for_device(device.pairs);
     }
 
     fn seconds(&self, _: f64) -> f64 {

@@ -6,11 +6,12 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use crate::accumulate::{ComputedBy, WavePower};
-use crate::compute::{Compute, Session};
+use crate::compute::Session;
 use crate::error::{Error, Result, numbers};
 use crate::estimate::{Analysis, PowerSpectrum, RadialSpectrum, SpectrumDetails};
 use crate::plan::{
-    Batch, DEFAULT_SECTORS, Debias, MAX_FREQUENCY, Taper, TaperPlan, WaveGrid, WaveList, WavePlan, WaveVectors,
+    Batch, DEFAULT_SECTORS, Debias, DeviceCosts, MAX_FREQUENCY, Taper, TaperPlan, WaveGrid, WaveList, WavePlan,
+    WaveVectors,
 };
 use crate::points::{Domain, Ensemble};
 use crate::request::{Group as Settings, Request, SETTINGS, Statistic};
@@ -113,8 +114,8 @@ impl Group for Waves {
         self.plan.batch
     }
 
-    fn suit(&mut self, compute: &dyn Compute) {
-        self.plan.costs = compute.wave_costs();
+    fn suit(&mut self, device: &DeviceCosts) {
+        self.plan.costs = device.waves;
     }
 
     fn none(&self, by: ComputedBy) -> WavePower {
