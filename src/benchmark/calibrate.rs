@@ -51,7 +51,7 @@ struct Row {
 }
 
 /// How firmly a part that times say little of stays near the built-in one, beside the squares of relative errors.
-const FIRMNESS: f64 = 3e-3;
+const FIRMNESS: f64 = 1e-4;
 
 /// A part is no less than this of the built-in one, times the pace of the machine.
 const LEAST: f64 = 0.02;

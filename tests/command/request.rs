@@ -20,7 +20,7 @@ fn a_request_is_a_command_line() {
         "--integrand disk --integrand box:x0=0.1 --estimator ratio --shifts 4 --spatial radial --top 3 --intensity ramp --by warp x",
         "--window-polygon plot.wkt --keep-going --stats k-function x",
         "--columns x,y --realization-column frame --array pos --envelope-from s.npy --envelope-from t x.npz",
-        "--r-max=-1 --bandwidth lscv --kernel box --device 0 --accuracy high --threads 2 --memory 4GiB -- x -y",
+        "--r-max=-1 --bandwidth lscv --kernel box --device 0 --accuracy high --threads 2 --memory 4GiB --costs c.json -- x -y",
     ];
     let request = |arguments: &[String]| Request::parse(arguments.iter().cloned());
     let words = |line: &str| line.split(' ').map(str::to_string).collect::<Vec<_>>();
