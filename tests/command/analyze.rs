@@ -246,3 +246,18 @@ fn clusters_of_a_single_realization_are_named() {
         assert_eq!(errors(regular), ("spectral-theory".into(), false), "{regular}");
     }
 }
+
+/// What the CPU path has done before a GPU is ready is done by it, and said to be; where a device is named, nobody looks at how long it takes.
+#[test]
+fn no_gpu_is_looked_for_where_there_is_little_to_do() {
+    let scratch = Scratch::new();
+    let notes = |arguments: &str| {
+        let output = scratch.run(arguments);
+        assert!(output.status.success(), "{arguments}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let few = "analyze --sampler random -n 64 --explain";
+    assert!(notes(few).contains("less than a GPU takes to be ready"), "{}", notes(few));
+    assert!(!notes("analyze --sampler random -n 4000 -k 4000 --explain").contains("less than a GPU takes"));
+    assert!(!notes(&format!("{few} --device cpu")).contains("a GPU"));
+}

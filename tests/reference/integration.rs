@@ -338,6 +338,51 @@ fn parts_are_the_whole() {
     assert!(wrong.contains("pairs on 33024 lags and on 33023"), "{wrong}");
 }
 
+/// Frequencies at which no integrand has a coefficient add nothing, whoever computes.
+#[test]
+fn what_has_no_coefficient_is_left_out() {
+    const F: u32 = 20;
+    let cases: &[(usize, &[&str], &[u32], usize)] = &[
+        (1, &["cosine:x=2"], &[2], 3),
+        (2, &["step:at=0.37"], &[F, 0], F as usize + 1),
+        (2, &["cosine:x=3,y=1", "cosine:x=2"], &[3, 1], 12),
+        (2, &["ramp", "ramp:axis=y"], &[F, F], 0),
+        (2, &["disk", "gaussian:sigma=0.2"], &[F, F], 0),
+        (3, &["monomial:z=1"], &[1, 0, F], 0),
+    ];
+    for &(dim, integrands, largest, modes) in cases {
+        let ensemble = drawn("thomas", 40, dim, 2, &[]);
+        for (accuracy, tolerance) in [(Accuracy::High, 1e-11), (Accuracy::Fast, 2e-5)] {
+            let whole = plan(&ensemble, integrands, accuracy, Some(&vec![F; dim]));
+            let narrow = whole.clone().narrowed().unwrap();
+            assert_eq!((narrow.max_frequency(), &narrow.asked[..]), (largest, &vec![F; dim][..]), "{integrands:?}");
+            let wanted =
+                |plan: &IntegrationPlan| (0..plan.grid.waves.len()).filter(|&index| plan.grid.computes(index)).count();
+            assert!(wanted(&narrow) < wanted(&whole) || integrands.contains(&"disk"), "{integrands:?}");
+            if modes > 0 {
+                assert_eq!(narrow.grid.waves.len(), modes, "{integrands:?}");
+            }
+            let cpu = Cpu::new(Some(2)).unwrap();
+            let of_whole = sums(&Reference, &whole, &ensemble);
+            // Without the last frequency there is a difference, where there is a coefficient.
+            let short: Vec<u32> = largest.iter().map(|f| f.saturating_sub(1)).collect();
+            let short = plan(&ensemble, integrands, accuracy, Some(&short));
+            for (cut, equal) in [(&narrow, true), (&short, false)] {
+                for found in [sums(&cpu, cut, &ensemble), sums(&Reference, cut, &ensemble)] {
+                    let mut off = 0.0f64;
+                    for (a, b) in found.realizations.iter().zip(&of_whole.realizations) {
+                        for ((i, a), b) in cut.integrands.iter().zip(&a.each).zip(&b.each) {
+                            off = off.max((a.grid - b.grid).abs() / b.grid.max(40.0 * i.variance()));
+                        }
+                    }
+                    let right = if equal { off <= tolerance } else { accuracy == Accuracy::Fast || off > 1e-10 };
+                    assert!(right, "{integrands:?}, {:?}: {off}", cut.max_frequency());
+                }
+            }
+        }
+    }
+}
+
 /// P and integration errors are of one transform where their frequencies are the same: the plan says so, and no byte of P differs.
 #[test]
 fn power_is_computed_once() {
