@@ -224,8 +224,39 @@ pub fn pair_cases(size: usize) -> Vec<PairCase> {
         let ranges: Vec<(f64, f64)> = (0..dim).map(|a| (-1.0 - a as f64, 2.0 + a as f64)).collect();
         let window = Domain::window(&ranges).unwrap();
         add("window", &window, &[uniform(dim, size, 9), lattice(dim, k)], linear(1.5, 60));
+        // Distances so near edges that f32 takes some for the bin beside.
+        for bins in [
+            linear(0.4, 250),
+            RadialBins::from_edges((0..=60).map(|k| 0.1 + f64::from(k) / 200.0).collect()).unwrap(),
+            RadialBins::logarithmic(1e-3, 0.4, 60).unwrap(),
+            RadialBins::from_edges((0..200).map(|k| 0.4 * (f64::from(k) / 200.0).powf(0.7)).collect()).unwrap(),
+        ] {
+            let set = beside_edges(dim, size, bins.edges());
+            add("a hair from edges", &unit, &[set], bins);
+        }
+        // Bins of a hundred or so steps of 32 bits, so that rounding of coordinates takes some of the pairs over an edge.
+        for (name, domain) in [("unit", &unit), ("unequal sides", &torus), ("window", &window)] {
+            let mut close = uniform(dim, size.min(300), 10);
+            close.coordinates.iter_mut().for_each(|x| *x = 0.4 + *x * 2f64.powi(-20));
+            let r = domain.length_unit() * 2f64.powi(-19);
+            add(&format!("near, {name}"), domain, std::slice::from_ref(&close), linear(r, 61));
+            add(&format!("near, {name}, log"), domain, &[close], RadialBins::logarithmic(r / 64.0, r, 24).unwrap());
+        }
     }
     cases
+}
+
+/// A point and `n` others, each at the distance of an edge from it but for 3e-7 of it.
+fn beside_edges(dim: usize, n: usize, edges: &[f64]) -> RawPoints {
+    let mut rng = Rng(11);
+    let mut coordinates = vec![0.0; dim];
+    for &edge in edges.iter().filter(|edge| **edge > 0.0).cycle().take(n) {
+        let r = edge * (1.0 + 6e-7 * (rng.unit() - 0.5));
+        let towards: Vec<f64> = (0..dim).map(|_| rng.unit() - 0.5).collect();
+        let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
+        coordinates.extend(towards.iter().map(|x| (r * x / length).rem_euclid(1.0)));
+    }
+    raw(dim, coordinates)
 }
 
 /// A named case of counting by lags.

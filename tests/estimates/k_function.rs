@@ -24,6 +24,8 @@ fn k_and_its_errors() {
         let closer: u64 = reference_counts(&plan, &e).counts[..=b].iter().sum();
         assert!((k.neighbors[b] - closer as f64 / 350.0).abs() < 1e-12, "ordered pairs per point");
         assert!((k.l[b].powi(2) * std::f64::consts::PI - mean).abs() < 1e-12, "L = sqrt(K / pi)");
+        let of_l = se * k.l[b] / (2.0 * k.k[b]);
+        assert!((k.l_se[b].unwrap() - of_l).abs() < 1e-12, "the error of L = sqrt(K / pi), to first order");
     }
     // One realization, in bins too wide to show a spectrum: unordered pairs are Poisson.
     let coarse = PairPlan::new(e.domain(), RadialBins::linear(0.5, 3).unwrap(), settings, shape(&e)).unwrap();

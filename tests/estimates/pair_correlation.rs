@@ -42,7 +42,17 @@ fn one_realization_gets_poisson_errors() {
     let expected = 9900.0 * std::f64::consts::PI * 0.24;
     assert!((g.g_se[1] - (2.0 * 7000f64).sqrt() / expected).abs() < 1e-12, "sqrt(2 c): unordered pairs are Poisson");
     assert_eq!(g.g[0], 0.0);
-    assert!(g.g_se[0] > 0.0, "an empty bin is not known exactly");
+    // That of one unordered pair: an empty bin is not known exactly.
+    assert!((g.g_se[0] - 2.0 / (9900.0 * std::f64::consts::PI * 0.01)).abs() < 1e-12, "{}", g.g_se[0]);
+    // Minus sampling: twice the pairs seen.
+    let window = Domain::window(&[(0.0, 1.0), (0.0, 1.0)]).unwrap();
+    let e = ensemble_in(&window, &[uniform(2, 60, 4)]);
+    let plan = pair_plan(&e, RadialBins::linear(0.3, 2).unwrap(), Correction::Border);
+    let counts = reference_counts(&plan, &e);
+    let g = PairCorrelation::new(&plan, &counts, Normalization::Pairs);
+    for b in 0..2 {
+        assert!((g.g_se[b] / g.g[b] - (2.0 / counts.sum(b)).sqrt()).abs() < 1e-12, "{} +- {}", g.g[b], g.g_se[b]);
+    }
 }
 
 #[test]
@@ -68,6 +78,13 @@ fn unequal_n_is_a_ratio_of_sums() {
     let pairs = 20.0 * (30.0 * 29.0 + 60.0 * 59.0);
     assert!((g.g[0] - sums.counts[0] as f64 / (pairs * std::f64::consts::PI * 0.25)).abs() < 1e-12);
     assert!((g.g[0] - 1.0).abs() < 5.0 * g.g_se[0], "{} +- {}", g.g[0], g.g_se[0]);
+    let residual = |k: usize| {
+        let n = if k % 2 == 0 { 30.0 * 29.0 } else { 60.0 * 59.0 };
+        reference_counts(&plan, &e.slice(k..k + 1)).counts[0] as f64 - sums.counts[0] as f64 / pairs * n
+    };
+    let squares: f64 = (0..40).map(|k| residual(k).powi(2)).sum();
+    let se = (40.0 / 39.0 * squares).sqrt() / (pairs * std::f64::consts::PI * 0.25);
+    assert!((g.g_se[0] - se).abs() < 1e-6 * se, "{}, not {se}", g.g_se[0]);
     let plan = wave_plan(&e, &[10, 10], Accuracy::High);
     let spectrum = PowerSpectrum::new(&plan, &reference_power(&plan, &e));
     assert_eq!(spectrum.dc().unwrap().0, (30.0 * 30.0 + 60.0 * 60.0) / 90.0, "P(0) = sum n^2 / sum n");

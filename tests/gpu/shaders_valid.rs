@@ -194,3 +194,85 @@ fn a_broken_shader_is_caught() {
         .validate(&naga::front::wgsl::parse_str(&precise.source()).unwrap());
     assert!(plain.is_err(), "f64 in plain WGSL");
 }
+
+/// The arcs of `weights_isotropic.wgsl`, their numbers read from there, in the same f32 operations: within what the file says, and
+/// beyond it where one digit is another.
+#[test]
+fn arcs_keep_their_bound() {
+    let text = SHADER_FILES.iter().find(|file| file.path.ends_with("weights_isotropic.wgsl")).unwrap().text;
+    let numbers = |text: &str, after: &str| -> Vec<f32> {
+        let from = text.find(after).unwrap() + after.len();
+        let line = &text[from..from + text[from..].find(';').unwrap()];
+        let words = line.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.' || c == '-'));
+        words.filter_map(|word| word.parse().ok()).collect()
+    };
+    let worst = |text: &str| {
+        let turn = numbers(text, "WEIGHTS_TURN: f32 =")[0];
+        let eighth = numbers(text, "(t + 1.0);\n        base =")[0];
+        let quarter = numbers(text, "select(angle,")[0];
+        let [a, b, c, d] = numbers(text, "let series =")[..] else { panic!("four coefficients") };
+        let angle = |y: f32, x: f32| {
+            let (mut t, mut base) = (y.min(x) / y.max(x), 0.0);
+            if t > 0.414_213_57 {
+                (t, base) = ((t - 1.0) / (t + 1.0), eighth);
+            }
+            let z = t * t;
+            let angle = base + ((((a * z - b) * z + c) * z - d) * z * t + t);
+            if y > x { quarter - angle } else { angle }
+        };
+        let error = |k: i32| {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::FRAC_PI_2 / 1e4).sin_cos();
+            let (y, x) = (sin as f32, cos as f32);
+            (f64::from(angle(y, x)) / f64::from(y).atan2(x.into()) - 1.0).abs()
+        };
+        (1..10_000).map(error).fold((f64::from(turn) / std::f64::consts::TAU - 1.0).abs(), f64::max)
+    };
+    assert!(worst(text) < 3e-7, "{:e}", worst(text));
+    for (right, wrong) in [
+        ("8.05374449538e-2", "8.15374449538e-2"),
+        ("1.38776856032e-1", "1.38976856032e-1"),
+        ("1.99777106478e-1", "1.99877106478e-1"),
+        ("3.33329491539e-1", "3.33319491539e-1"),
+        ("6.2831855", "6.2831955"),
+        ("0.78539816", "0.78539916"),
+        ("1.5707964", "1.5707974"),
+    ] {
+        assert!(worst(&text.replace(right, wrong)) > 3e-7, "{right} as {wrong} is not seen");
+    }
+}
+
+/// The polynomials of `phase_f64.wgsl`, read from there: within what the file says, and beyond it where one digit is another.
+#[test]
+fn phases_in_f64_keep_their_bound() {
+    let text = SHADER_FILES.iter().find(|file| file.path.ends_with("phase_f64.wgsl")).unwrap().text;
+    let worst = |text: &str| {
+        let numbers = |after: &str| -> Vec<f64> {
+            let from = text.find(after).unwrap() + after.len();
+            let line = &text[from..from + text[from..].find(';').unwrap()];
+            let words = line.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.' || c == '-'));
+            words.filter(|word| word.contains("e-")).map(|word| word.trim_end_matches("lf").parse().unwrap()).collect()
+        };
+        let (s, c) = (numbers("let s ="), numbers("let c ="));
+        assert_eq!((s.len(), c.len()), (6, 6));
+        let series = |numbers: &[f64], x: f64| numbers.iter().rev().fold(0.0, |sum, c| sum * x + c);
+        let error = |k: i32| {
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_4 / 1e4;
+            let a2 = angle * angle;
+            let sin = angle + angle * a2 * series(&s, a2);
+            let cos = 1.0 - (0.5 * a2 - a2 * a2 * series(&c, a2));
+            (sin - angle.sin()).abs().max((cos - angle.cos()).abs())
+        };
+        (-10_000..=10_000).map(error).fold(0.0, f64::max)
+    };
+    assert!(worst(text) <= 3e-16, "{:e}", worst(text));
+    for (right, wrong) in [
+        ("1.58969099521155010221e-10", "1.57969099521155010221e-10"),
+        ("2.50507602534068634195e-8", "2.50607602534068634195e-8"),
+        ("1.66666666666666324348e-1", "1.66666666666664324348e-1"),
+        ("1.13596475577881948265e-11", "1.11596475577881948265e-11"),
+        ("2.08757232129817482790e-9", "2.08857232129817482790e-9"),
+        ("4.16666666666666019037e-2", "4.16666666666566019037e-2"),
+    ] {
+        assert!(worst(&text.replace(right, wrong)) > 3e-16, "{right} as {wrong} is not seen");
+    }
+}
