@@ -79,7 +79,7 @@ fn unequal_n_is_a_ratio_of_sums() {
     assert!((g.g[0] - sums.counts[0] as f64 / (pairs * std::f64::consts::PI * 0.25)).abs() < 1e-12);
     assert!((g.g[0] - 1.0).abs() < 5.0 * g.g_se[0], "{} +- {}", g.g[0], g.g_se[0]);
     let residual = |k: usize| {
-        let n = if k % 2 == 0 { 30.0 * 29.0 } else { 60.0 * 59.0 };
+        let n = if k.is_multiple_of(2) { 30.0 * 29.0 } else { 60.0 * 59.0 };
         reference_counts(&plan, &e.slice(k..k + 1)).counts[0] as f64 - sums.counts[0] as f64 / pairs * n
     };
     let squares: f64 = (0..40).map(|k| residual(k).powi(2)).sum();
