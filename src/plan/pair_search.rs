@@ -40,8 +40,9 @@ pub struct SearchCosts {
 }
 
 impl SearchCosts {
-    /// Fitted to the times that `benches/pair_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512). Only
-    /// ratios matter, and those are much the same on other processors; `pairwave bench --calibrate` measures them.
+    /// Fitted to the times that `benches/pair_sweep.rs` takes on one core of an AMD EPYC of 2022 (Zen 4, AVX-512), but for bins by a logarithm or
+    /// from a table, which are what `pairwave bench --calibrate` found over equal bins on an Intel Xeon. Only ratios matter, and those are
+    /// much the same on other processors.
     pub const CPU: Self = Self {
         device: "the CPU, one thread",
         pair: 0.44,
