@@ -39,14 +39,27 @@ fn killed_at_any_moment_a_replacement_leaves_the_old_or_the_new() {
         run.wait().unwrap();
         let summary = summary(&scratch.path("out"));
         let files = summary["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap().to_string());
-        let expected: BTreeSet<String> = files.chain(["notes.txt".into(), "own".into()]).collect();
+        let mut expected: BTreeSet<String> = files.collect();
+        // What is not ours is there, or where the next run finds it.
+        for (own, text) in [("notes.txt", "mine"), ("own/too.txt", "mine too")] {
+            let staged = std::fs::read_dir(scratch.0.path()).unwrap().map(|e| e.unwrap().path().join("new"));
+            let mut places = std::iter::once(scratch.path("out")).chain(staged);
+            let place =
+                places.find(|place| place.join(own).exists()).unwrap_or_else(|| panic!("{own} after {wait} ms"));
+            assert_eq!(std::fs::read_to_string(place.join(own)).unwrap(), text);
+            if place == scratch.path("out") {
+                expected.extend(own.split('/').next().map(str::to_string));
+            }
+        }
         assert_eq!(names(&scratch.path("out")), expected, "killed after {wait} ms");
     }
     // The next run tidies up.
     scratch.ok("analyze --sampler random -n 9 --device cpu --quiet --force --out out");
     let here = std::fs::read_dir(scratch.0.path()).unwrap().map(|e| e.unwrap().file_name()).collect::<Vec<_>>();
     assert_eq!(here, ["out"]);
-    assert_eq!(std::fs::read_to_string(scratch.path("out/own/too.txt")).unwrap(), "mine too");
+    for (own, text) in [("notes.txt", "mine"), ("own/too.txt", "mine too")] {
+        assert_eq!(std::fs::read_to_string(scratch.path(&format!("out/{own}"))).unwrap(), text);
+    }
 }
 
 #[test]

@@ -109,6 +109,8 @@ pub(super) fn write(
     } else if stage.path().parent() == Some(&place) || swap::swap(names, &place, stage.path()).is_err() {
         recovery::replace(names, &place, stage.path(), &written).map_err(at(dir))?;
     }
+    // The result is there; a note that stays is read by the next run.
+    let _ = recovery::settle(stage.path());
     drop(turn);
     created.keep();
     Ok(written.into_iter().map(|name| dir.join(name)).collect())

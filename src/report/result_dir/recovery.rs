@@ -30,6 +30,14 @@ pub(super) fn note(stage: &Path, dir: &Path, moved: Option<&[&str]>) -> io::Resu
     fs::rename(stage.join("note"), stage.join(NOTE))
 }
 
+/// Drops the note of what is done: while a stage is removed, a part of it must not be taken for a beginning.
+pub(super) fn settle(stage: &Path) -> io::Result<()> {
+    match fs::remove_file(stage.join(NOTE)) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
+        _ => Ok(()),
+    }
+}
+
 /// Puts the new files of a stage in `dir`, of all that there may be, in place of those that are there. On failure everything is
 /// put back.
 pub(super) fn replace(names: &[&str], dir: &Path, stage: &Path, new: &[&str]) -> io::Result<()> {
@@ -82,12 +90,15 @@ pub(super) fn done(stage: &Path, names: &[&str]) -> bool {
         // Nothing had been moved yet.
         return true;
     };
-    let Some(new) = note.moved else {
+    let finished = match note.moved {
         // Before the swap there are only files of ours.
-        return take_back(names, &stage.join("new"), &note.dir).is_ok();
+        None => take_back(names, &stage.join("new"), &note.dir),
+        Some(new) => {
+            let new: Vec<&str> = new.iter().map(String::as_str).collect();
+            forward(names, &note.dir, stage, &new, &mut Vec::new())
+        }
     };
-    let new: Vec<&str> = new.iter().map(String::as_str).collect();
-    forward(names, &note.dir, stage, &new, &mut Vec::new()).is_ok()
+    finished.and_then(|()| settle(stage)).is_ok()
 }
 
 #[cfg(test)]
@@ -147,6 +158,24 @@ mod tests {
             crate::stage::sweep(root.path(), |left| done(left, &NAMES));
             assert_eq!(texts(&dir), WHOLE, "killed after {kept} moves");
             assert!(!stage.exists());
+        }
+    }
+
+    /// Killed while it removes what it no longer needs, a run leaves what the next one can remove, in whatever order files go.
+    #[test]
+    fn a_killed_removal_is_finished() {
+        for moved in [None, Some(&NEW[..])] {
+            for gone in ["new", "old"] {
+                let root = tempfile::tempdir().unwrap();
+                let (dir, stage) = set_up(root.path());
+                let before = texts(&dir);
+                note(&stage, &dir, moved).unwrap();
+                settle(&stage).unwrap();
+                fs::remove_dir_all(stage.join(gone)).unwrap();
+                crate::stage::sweep(root.path(), |left| done(left, &NAMES));
+                assert_eq!(texts(&dir), before, "{moved:?} without {gone}");
+                assert!(!stage.exists(), "{moved:?} without {gone}");
+            }
         }
     }
 
