@@ -52,7 +52,14 @@ fn numbers(sums: &IntegrationSums) -> Vec<f64> {
 #[test]
 fn cpu_equals_the_reference() {
     let all = ["gaussian:sigma=0.12", "ramp", "disk"];
-    for (name, n, dim) in [("jittered", 16, 1), ("random", 30, 2), ("thomas", 24, 2), ("random", 12, 3)] {
+    // What depends on the process or the dimension is looked at once each: plans of products take a while.
+    let scenes: [(&str, u64, usize, &[usize]); 4] = [
+        ("jittered", 16, 1, &[0, 1, 2, 3, 4]),
+        ("random", 30, 2, &[0, 1, 2, 3, 4]),
+        ("thomas", 24, 2, &[3]),
+        ("random", 12, 3, &[0, 4]),
+    ];
+    for (name, n, dim, wanted) in scenes {
         let density = if dim == 2 { DENSITY } else { "formula:0.3+x^2" };
         let points = drawn(name, n, dim, 2, &[]);
         let weights: Vec<f64> = (0..points.total_points()).map(|j| 3e5 * (0.2 + (j as f64 * 0.7).sin())).collect();
@@ -63,6 +70,9 @@ fn cpu_equals_the_reference() {
         let ratios = [Some(Estimator::Lambda), Some(Estimator::Ratio), Some(Estimator::CountRatio)];
         cases.extend(ratios.map(|estimator| (points.clone(), estimator, Some(density), false)));
         for (case, (points, estimator, intensity, weighted)) in cases.into_iter().enumerate() {
+            if !wanted.contains(&case) {
+                continue;
+            }
             let by = (case >= 2).then_some(By::Removal);
             let plan = plan(
                 &points,
@@ -135,17 +145,17 @@ fn both_forms_are_one_number_with_weights() {
 fn removal_is_predicted() {
     let line = |sampler: &str, rest: &str| {
         found(&format!(
-            "--sampler {sampler} -k 400 --integrand disk --integrand gaussian --integrand cosine:x=1,y=1,phase=0 --by removal --intensity {DENSITY} --device cpu --stats counts {rest}"
+            "--sampler {sampler} -k 400 --integrand disk --by removal --intensity {DENSITY} --device cpu --stats counts {rest}"
         ))
     };
     for (sampler, rest) in [
-        ("jittered -n 100", ""),
-        ("random -n 100", ""),
-        ("thomas -n 100", ""),
+        ("jittered -n 100", "--integrand gaussian --integrand cosine:x=1,y=1,phase=0"),
+        ("random -n 100", "--integrand gaussian"),
+        ("thomas -n 100", "--integrand gaussian"),
         ("jittered -n 100", "--estimator ratio"),
         ("jittered -n 100", "--estimator count-ratio"),
     ] {
-        let analysis = line(sampler, rest);
+        let (analysis, ratio) = (line(sampler, rest), rest.contains("ratio"));
         let all = analysis.integration().unwrap();
         let placed = all.placed.as_ref().unwrap();
         let kept = (placed.points.value - placed.expected) / placed.points.se.unwrap();
@@ -154,7 +164,7 @@ fn removal_is_predicted() {
             let removal = e.removal.unwrap();
             assert!(removal.error < 1e-6 * removal.variance, "{removal:?}");
             // A ratio is predicted to first order: some percent of itself.
-            let first_order = if rest.is_empty() { 0.0 } else { 0.1 * e.closed.value };
+            let first_order = if ratio { 0.1 * e.closed.value } else { 0.0 };
             let off = (e.shifted.value - e.closed.value).abs();
             let se = e.shifted.se.unwrap();
             assert!(
@@ -167,7 +177,7 @@ fn removal_is_predicted() {
             // Without what removal adds it is another number, by far, but for clusters, whose own variance is much larger.
             let without = (e.shifted.value - e.closed.value + removal.variance).abs();
             assert!(without > 8.0 * se || sampler.starts_with("thomas"), "{sampler}: {removal:?}");
-            if rest.is_empty() {
+            if !ratio {
                 assert!(removal.z_as_is.unwrap().abs() < 4.5 && e.z.unwrap().abs() < 4.5, "{sampler} {removal:?}");
                 assert!((e.bias.value / e.bias.se.unwrap()).abs() < 4.5);
             } else {
