@@ -137,7 +137,7 @@ impl Measurement {
     /// A range that is not of the batch, or would cut a leaf of 16 realizations in two.
     pub fn within(mut self, span: Range<u64>, device: &Device) -> Result<Self> {
         let total = self.total();
-        let cut = |k: u64| k.is_multiple_of(LEAF) || k == total;
+        let cut = |k: u64| k.is_multiple_of(LEAF) || k == self.source.end();
         if span.is_empty() || span.end > total || !cut(span.start) || !cut(span.end) {
             let reason = format!("expected a part of 0..{total} that begins and ends at multiples of {LEAF}");
             return Err(Error::input(format!("realizations {}..{}", span.start, span.end), reason));
@@ -403,6 +403,11 @@ impl Measurement {
         self.sizes.len()
     }
 
+    /// The index after the last realization that it holds.
+    pub fn end(&self) -> u64 {
+        self.sizes.runs().map(|(run, _)| run.end).max().unwrap_or(0)
+    }
+
     /// The realizations that it lacks, `17-32, 65-80` counted from 1; `None` if it has all.
     pub fn missing(&self) -> Option<String> {
         let mut held = Ranges::default();
@@ -512,6 +517,22 @@ impl Measurement {
     /// Realizations of the whole batch.
     pub fn total(&self) -> u64 {
         self.source.shape().realizations
+    }
+
+    /// The same without any realization.
+    #[must_use]
+    pub fn emptied(&self) -> Self {
+        Self::new(self.request.clone(), self.source.clone(), self.plan.clone())
+    }
+
+    /// What it measures.
+    pub fn points(&self) -> &Points {
+        &self.source
+    }
+
+    /// The plan that it is measured by.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// The request.

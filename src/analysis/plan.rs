@@ -145,17 +145,21 @@ impl Plan {
     pub async fn open(&self, request: &Request) -> Result<Device> {
         if request.device == DeviceChoice::Auto {
             let cpu = Device::open(DeviceChoice::Cpu, request.threads).await?;
-            let one = self.parts.iter().map(|part| self.seconds(part)).sum::<f64>() + self.simulated_seconds();
-            let seconds = one / cpu.pool().threads() as f64;
-            if seconds < SOON {
-                let note = format!(
-                    "{:.1} ms of work for the CPU path, less than a GPU takes to be ready: none was looked for",
-                    1e3 * seconds
-                );
+            if let Some(note) = self.soon_done(cpu.pool().threads()) {
                 return Ok(cpu.noted(note));
             }
         }
         Device::open(request.device, request.threads).await
+    }
+
+    /// Why so many threads of the CPU path do it before a GPU is ready; none if they do not.
+    pub fn soon_done(&self, threads: usize) -> Option<String> {
+        let one = self.parts.iter().map(|part| self.seconds(part)).sum::<f64>() + self.simulated_seconds();
+        let seconds = one / threads as f64;
+        (seconds < SOON).then(|| {
+            let ms = 1e3 * seconds;
+            format!("{ms:.1} ms of work for the CPU path, less than a GPU takes to be ready: none was looked for")
+        })
     }
 
     /// The same plan with what suits a device.

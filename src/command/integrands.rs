@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pairwave::integrand::{Entry, find, registry};
 use pairwave::{Error, Integrand, Result, Setting, report};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 #[derive(clap::Args)]
 pub(crate) struct Integrands {
@@ -46,7 +46,7 @@ impl Integrands {
         }
         let both = chosen.iter().zip(&made);
         if self.json {
-            let all: Vec<Value> = both.map(|(entry, made)| in_json(entry, made.as_ref())).collect();
+            let all: Vec<Value> = both.map(|(entry, made)| entry.json(made.as_ref())).collect();
             return super::print(&format!("{:#}\n", Value::Array(all)));
         }
         let text = match self.spec {
@@ -116,32 +116,4 @@ fn explained(entry: &Entry, made: Option<&Integrand>) -> String {
         value("of a(r)", f.autocorrelation_error());
     }
     text
-}
-
-fn in_json(entry: &Entry, made: Option<&Integrand>) -> Value {
-    let values = made.map(|f| {
-        json!({
-            "integrand": f.spec(),
-            "dim": f.dim(),
-            "integral": f.integral(),
-            "square_integral": f.square_integral(),
-            "variance": f.variance(),
-            "integral_error": f.integral_error(),
-            "coefficient_error": f.coefficient_error(),
-            "autocorrelation_error": f.autocorrelation_error(),
-            // Infinity is no number of JSON.
-            "smoothness": Some(f.smoothness()).filter(|c| c.is_finite()),
-        })
-    });
-    json!({
-        "name": entry.name,
-        "aliases": entry.aliases,
-        "summary": entry.summary,
-        "source": entry.source,
-        "formulas": entry.formulas,
-        "closed": entry.closed,
-        "dims": entry.dims.clone().collect::<Vec<_>>(),
-        "parameters": entry.parameters,
-        "values": values,
-    })
 }

@@ -2,7 +2,7 @@
 
 use pairwave::Result;
 use pairwave::samplers::{Entry, Number, find, registry};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 #[derive(clap::Args)]
 pub(crate) struct Samplers {
@@ -21,7 +21,7 @@ impl Samplers {
             None => registry().to_vec(),
         };
         if self.json {
-            let all: Vec<Value> = chosen.into_iter().map(in_json).collect();
+            let all: Vec<Value> = chosen.into_iter().map(Entry::json).collect();
             return super::print(&format!("{:#}\n", Value::Array(all)));
         }
         let text = if self.name.is_some() { chosen.into_iter().map(explained).collect() } else { listed(&chosen) };
@@ -85,20 +85,4 @@ fn dims(entry: &Entry) -> String {
         (least, most) if least == most => format!("{least}D"),
         (least, most) => format!("{least} to {most}D"),
     }
-}
-
-fn in_json(entry: &Entry) -> Value {
-    json!({
-        "name": entry.name,
-        "aliases": entry.aliases,
-        "family": entry.family,
-        "summary": entry.summary,
-        "source": entry.source,
-        "formulas": entry.formulas,
-        "fixed_n": entry.fixed_n(),
-        "sequence": entry.number == Number::Sequence,
-        "n": entry.size.words,
-        "dims": entry.dims.clone().collect::<Vec<_>>(),
-        "parameters": entry.all_parameters().collect::<Vec<_>>(),
-    })
 }

@@ -247,7 +247,7 @@ impl Comparison {
     }
 
     /// Every value, as a table.
-    fn table(&self) -> Table {
+    pub fn table(&self) -> Table {
         let all = &self.values;
         let end = |which: usize| move |value: &Difference| value.values[which];
         let difference = |value: &Difference| value.values[1].0 - value.values[0].0;

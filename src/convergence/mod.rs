@@ -25,6 +25,7 @@ use crate::request::{Request, Statistic};
 use crate::samplers::{Entry, ParameterValues, Process, find_with_parameters};
 use crate::setting::Setting;
 use crate::source::{AllAxes, Points, refuse_marks, scanned};
+use crate::statistics::Table;
 use crate::survey::Prefixes;
 
 /// What the points are.
@@ -562,13 +563,22 @@ impl Convergence {
     /// As `report::write`.
     pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
         report::write_files(dir, force, asked, &self.warnings, self.summary(), |files| {
-            files.add("convergence.csv", |file| file.write_all(&tables::variances(self).csv()?));
-            files.add("ranks.csv", |file| file.write_all(&tables::ranks(self).csv()?));
+            for (name, table) in self.tables() {
+                files.add(name, |file| file.write_all(&table.csv()?));
+            }
             if self.has_slopes() {
-                files.add("slopes.csv", |file| file.write_all(&tables::slopes(self).csv()?));
                 files.add("convergence.svg", |file| file.write_all(figure::svg(self).as_bytes()));
             }
         })
+    }
+
+    /// Its tables, by the names of their files.
+    pub fn tables(&self) -> Vec<(&'static str, Table)> {
+        let slopes = self.has_slopes().then(|| ("slopes.csv", tables::slopes(self)));
+        [("convergence.csv", tables::variances(self)), ("ranks.csv", tables::ranks(self))]
+            .into_iter()
+            .chain(slopes)
+            .collect()
     }
 
     /// Whether there is more than one number of points.

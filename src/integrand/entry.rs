@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use serde_json::json;
+
 use super::shape::Shape;
 use super::spec::{Parameter, Takes, Values};
 use crate::error::{Error, Result};
@@ -78,6 +80,35 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// What there is to know about it, and about one that was made.
+    pub fn json(&self, made: Option<&super::Integrand>) -> serde_json::Value {
+        let values = made.map(|f| {
+            json!({
+                "integrand": f.spec(),
+                "dim": f.dim(),
+                "integral": f.integral(),
+                "square_integral": f.square_integral(),
+                "variance": f.variance(),
+                "integral_error": f.integral_error(),
+                "coefficient_error": f.coefficient_error(),
+                "autocorrelation_error": f.autocorrelation_error(),
+                // Infinity is no number of JSON.
+                "smoothness": Some(f.smoothness()).filter(|c| c.is_finite()),
+            })
+        });
+        json!({
+            "name": self.name,
+            "aliases": self.aliases,
+            "summary": self.summary,
+            "source": self.source,
+            "formulas": self.formulas,
+            "closed": self.closed,
+            "dims": self.dims.clone().collect::<Vec<_>>(),
+            "parameters": self.parameters,
+            "values": values,
+        })
+    }
+
     /// A line to be completed: closed, in 1 to 3 dimensions, without parameters.
     pub(super) const fn new(name: &'static str, summary: &'static str, make: Make) -> Self {
         Self {

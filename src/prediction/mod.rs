@@ -170,7 +170,7 @@ pub fn predict(spec: &str, request: &Request) -> Result<Predicted> {
 
 impl Predicted {
     /// `variance.csv`, with the columns that it has where points are measured; empty what needs points.
-    fn table(&self) -> Table {
+    pub fn table(&self) -> Table {
         let each = &self.each;
         let rows = each.len();
         let empty = || (0..rows).map(|_| None);

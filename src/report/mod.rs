@@ -24,6 +24,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use crate::statistics::{Array, Column, Table, Values as ArrayValues};
 pub(crate) use columns::{Columns, Place};
 pub use headline::headline;
 pub(crate) use html::{Curve, Curves, Numbers, Page, Values};
@@ -43,6 +44,8 @@ use crate::error::{Error, Result};
 use crate::estimate::Analysis;
 use crate::request::Request;
 use crate::setting::Setting;
+use crate::statistics::{Make, Output};
+use outputs::Made;
 
 /// The page, and what marks a result.
 pub(crate) const PAGE: &str = "report.html";
@@ -232,6 +235,53 @@ pub fn check_inputs(dir: &Path, request: &Request) -> Result<()> {
     Ok(())
 }
 
+/// Every output with its content.
+fn all_made(analysis: &Analysis) -> Vec<(&'static Output, io::Result<Option<Made<'_>>>)> {
+    let of = |output: &&'static Output| (*output, outputs::made(output, analysis));
+    outputs::all().par_iter().map(of).collect()
+}
+
+/// The names of the files that results of an analysis may have, tables first; beside them `results.npz`, the page and the summary.
+pub fn file_names() -> Vec<&'static str> {
+    outputs::all().iter().map(|output| output.name).collect()
+}
+
+/// What the table `name`, without its ending, holds; none where there is no such table.
+pub fn table(name: &str, analysis: &Analysis) -> Option<Table> {
+    outputs::all().into_iter().find_map(|output| match output.make {
+        Make::Table(make) if output.name.strip_suffix(".csv") == Some(name) => make(analysis),
+        _ => None,
+    })
+}
+
+/// What the array `name`, without its ending, holds; none where there is no such array.
+pub fn array<'a>(name: &str, analysis: &'a Analysis) -> Option<Array<'a>> {
+    outputs::all().into_iter().find_map(|output| match output.make {
+        Make::Array(make) if output.name.strip_suffix(".npy") == Some(name) => make(analysis),
+        _ => None,
+    })
+}
+
+/// The bytes of the file `name`, as `write` writes it; none where there is nothing to be in it.
+///
+/// # Errors
+/// What cannot be drawn.
+pub fn file(name: &str, analysis: &Analysis) -> Result<Option<Vec<u8>>> {
+    let failed = |e: Box<dyn std::error::Error + Send + Sync>| Error::file(name, io::Error::other(e));
+    match name {
+        SUMMARY => summary::json(analysis, Vec::new()).map(Some).map_err(|e| failed(e.into())),
+        PAGE => {
+            let mut pictures = BTreeMap::new();
+            for (output, made) in all_made(analysis) {
+                let picture = made.map_err(|e| failed(e.into()))?.and_then(|(_, picture)| picture);
+                picture.into_iter().for_each(|picture| _ = pictures.insert(output.name, picture));
+            }
+            html::page(analysis, &pictures).map(|page| Some(page.into_bytes())).map_err(failed)
+        }
+        name => outputs::bytes(name, analysis),
+    }
+}
+
 /// Writes everything `analysis` holds into `dir` and returns the paths, `summary.json` last. `dir` is created; a result
 /// already there is refused without `force` and replaced with it, files of other names staying as they are. The files
 /// appear whole or not at all.
@@ -249,9 +299,7 @@ pub fn write(dir: &Path, analysis: &Analysis, force: bool) -> Result<Vec<PathBuf
 pub fn write_with(dir: &Path, analysis: &Analysis, beside: Beside<'_>, force: bool) -> Result<Vec<PathBuf>> {
     result_dir::write(&names(), dir, force, |files| {
         let mut pictures = BTreeMap::new();
-        let outputs = outputs::all();
-        let made: Vec<_> = outputs.par_iter().map(|output| outputs::made(output, analysis)).collect();
-        for (output, made) in outputs.iter().zip(made) {
+        for (output, made) in all_made(analysis) {
             match made {
                 Ok(None) => {}
                 Ok(Some((content, picture))) => {

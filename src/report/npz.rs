@@ -7,7 +7,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 use super::{npy, outputs};
 use crate::estimate::Analysis;
-use crate::statistics::{Array, Make, NumberCells, Values};
+use crate::statistics::{Array, Column, Make, Values};
 
 /// Writes the archive.
 pub(super) fn write(analysis: &Analysis, file: &mut dyn Write) -> io::Result<()> {
@@ -17,10 +17,11 @@ pub(super) fn write(analysis: &Analysis, file: &mut dyn Write) -> io::Result<()>
         match output.make {
             Make::Table(make) => {
                 let Some(table) = make(analysis) else { continue };
-                for (column, cells) in table.numbers() {
+                for (column, cells) in table.values() {
                     let values = match cells {
-                        NumberCells::Real(cells) => Values::Real(Box::new(cells)),
-                        NumberCells::Integer(cells) => Values::Integer(Box::new(cells)),
+                        Column::Real(cells) => Values::Real(Box::new(cells.into_iter())),
+                        Column::Integer(cells) => Values::Integer(Box::new(cells.into_iter())),
+                        Column::Text(_) => continue,
                     };
                     let shape = vec![table.rows() as u64];
                     add(&mut archive, &format!("{name}/{column}"), Array { shape, values })?;

@@ -41,8 +41,11 @@ pub(super) struct Picture {
     pub(super) cells: Vec<(usize, Cells)>,
 }
 
-/// The content of a file and, of a picture, what the page shows; `None` where there is nothing.
-pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<(Content<'a>, Option<Picture>)>> {
+/// The content of a file and, of a picture, what the page shows.
+pub(super) type Made<'a> = (Content<'a>, Option<Picture>);
+
+/// What an output is of an analysis; `None` where there is nothing.
+pub(super) fn made<'a>(output: &Output, a: &'a Analysis) -> io::Result<Option<Made<'a>>> {
     let bytes = |bytes| (Content::Bytes(bytes), None);
     let drawn = |svg: String, figure, cells| {
         let picture = Picture { html: svg.clone(), below: String::new(), seen: String::new(), figure, cells };

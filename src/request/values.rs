@@ -42,6 +42,17 @@ pub(super) trait Field {
     fn json(&self) -> Option<Json>;
     /// Takes another value.
     fn set(&mut self, text: &str) -> Result<(), String>;
+    /// Takes another value as it is typed several times: of what is not repeated, once.
+    fn set_all(&mut self, texts: &[String]) -> Result<(), String> {
+        match texts {
+            [text] => self.set(text),
+            _ => Err(format!("{} values; expected one", texts.len())),
+        }
+    }
+    /// Whether it may be typed several times, a value each.
+    fn is_repeated(&self) -> bool {
+        false
+    }
     /// Takes the value it has where it is left out.
     fn unset(&mut self);
     /// All values there are; none where any text may be one.
@@ -317,6 +328,13 @@ macro_rules! repeated {
                 *self = vec![Value::parse(text)?];
                 Ok(())
             }
+            fn set_all(&mut self, texts: &[String]) -> Result<(), String> {
+                *self = texts.iter().map(|text| Value::parse(text)).collect::<Result<_, _>>()?;
+                Ok(())
+            }
+            fn is_repeated(&self) -> bool {
+                true
+            }
             fn unset(&mut self) {
                 self.clear();
             }
@@ -362,6 +380,11 @@ impl Row {
         (self.get)(&Request::default()).is_switch()
     }
 
+    /// Whether it may be given several times.
+    pub fn is_repeated(&self) -> bool {
+        (self.get)(&Request::default()).is_repeated()
+    }
+
     /// Whether it has another value than where it is left out.
     pub fn is_given(&self, request: &Request) -> bool {
         (self.get)(request).texts() != (self.get)(&Request::default()).texts()
@@ -387,6 +410,23 @@ impl Request {
         with.set(setting, text)?;
         with.check_together()?;
         Ok(with)
+    }
+
+    /// The request of these settings, each with its value as it is typed, or with several where it may be repeated.
+    ///
+    /// # Errors
+    /// A value that cannot be parsed; settings that do not go together.
+    pub fn of(settings: impl IntoIterator<Item = (Setting, Vec<String>)>) -> Result<Self> {
+        let mut request = Self::default();
+        for (setting, texts) in settings {
+            let Some(row) = setting.row() else {
+                return Err(Error::setting(setting, texts.join(","), "is in no request"));
+            };
+            let set = (row.get_mut)(&mut request).set_all(&texts);
+            set.map_err(|reason| Error::setting(setting, texts.join(","), reason))?;
+        }
+        request.check_together()?;
+        Ok(request)
     }
 
     /// Takes another value of a setting, whether it goes together with the others or not.
@@ -488,6 +528,32 @@ mod tests {
             assert_ne!(with, start);
         }
         assert_eq!(start.value(Setting::Normalization), "pairs");
+    }
+
+    #[test]
+    fn settings_make_a_request_all_at_once() {
+        let of = |settings: &[(Setting, &[&str])]| {
+            let texts = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect();
+            Request::of(settings.iter().map(|(setting, all)| (*setting, texts(all))))
+        };
+        // What needs another may come before it.
+        let all: &[(Setting, &[&str])] = &[
+            (Setting::Bandwidth, &["0.1"]),
+            (Setting::Kernel, &["box"]),
+            (Setting::Integrand, &["disk", "formula:max(x,y)"]),
+            (Setting::Wrap, &["true"]),
+        ];
+        let typed = ["--bandwidth=0.1", "--kernel=box", "--integrand=disk", "--integrand=formula:max(x,y)", "--wrap"];
+        assert_eq!(of(all).unwrap(), Request::parse(typed.map(String::from)).unwrap());
+        for (settings, why) in [
+            (&[(Setting::Bandwidth, &["0.1"] as &[&str])] as &[(Setting, &[&str])], "needs `kernel`"),
+            (&[(Setting::Bins, &["3", "4"])], "2 values; expected one"),
+            (&[(Setting::Bins, &["x"])], "bins x"),
+            (&[(Setting::Out, &["x"])], "is in no request"),
+        ] {
+            let error = of(settings).unwrap_err().to_string();
+            assert!(error.contains(why), "{error}");
+        }
     }
 
     #[test]

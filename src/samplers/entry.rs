@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use serde_json::{Value, json};
+
 use super::parameters::{Accepts, Parameter, ParameterValues};
 use super::size::Size;
 use super::{Realization, nearest_names};
@@ -156,6 +158,23 @@ impl Entry {
             same_every_time: |_| false,
             make,
         }
+    }
+
+    /// What there is to know about it.
+    pub fn json(&self) -> Value {
+        json!({
+            "name": self.name,
+            "aliases": self.aliases,
+            "family": self.family,
+            "summary": self.summary,
+            "source": self.source,
+            "formulas": self.formulas,
+            "fixed_n": self.fixed_n(),
+            "sequence": self.number == Number::Sequence,
+            "n": self.size.words,
+            "dims": self.dims.clone().collect::<Vec<_>>(),
+            "parameters": self.all_parameters().collect::<Vec<_>>(),
+        })
     }
 
     /// Whether every realization has exactly n points.

@@ -44,6 +44,11 @@ pub(super) struct Marking {
 }
 
 impl Files {
+    /// Of points that are held.
+    pub(super) fn none(options: ReadOptions, columns: Columns, marks: Marking) -> Self {
+        Self { files: Vec::new(), stamps: Vec::new(), options, columns, marks, last: Mutex::default() }
+    }
+
     pub(super) fn batch(&self, range: Range<u64>, domain: &Domain, control: &Control) -> Result<Ensemble> {
         let at = self.files.partition_point(|(first, _)| *first <= range.start).saturating_sub(1);
         let mut sets = Vec::new();

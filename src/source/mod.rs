@@ -3,6 +3,7 @@
 mod all_axes;
 mod files;
 mod first_pass;
+mod held;
 mod intensity;
 mod precision;
 mod remarks;
@@ -66,6 +67,8 @@ pub struct Points {
 
 enum Kind {
     Held(Ensemble),
+    /// Some realizations, which have numbers of their own.
+    Part(Ensemble),
     Files(Files),
     Process(Process),
     Drawn(Box<Draw>),
@@ -251,9 +254,8 @@ impl Points {
         let mut pass = FirstPass::new(request)?;
         pass.see(&sets)?;
         pass.remarks.input.files = 1;
-        let nothing =
-            |marks| Files { files: Vec::new(), stamps: Vec::new(), options, columns, marks, last: Mutex::default() };
-        pass.finish(name.to_string(), Some(sets), nothing)?.with_intensity(request, &Control::default())
+        pass.finish(name.to_string(), Some(sets), |marks| Files::none(options, columns, marks))?
+            .with_intensity(request, &Control::default())
     }
 
     /// Realizations of points in memory: of each its coordinates, point by point.
@@ -491,6 +493,14 @@ impl Points {
         self.shape
     }
 
+    /// The index after the last realization that there will be.
+    pub(crate) fn end(&self) -> u64 {
+        match &self.kind {
+            Kind::Part(part) => part.first_index() + part.realizations() as u64,
+            _ => self.shape.realizations,
+        }
+    }
+
     /// Realizations `range`.
     ///
     /// # Errors
@@ -506,6 +516,16 @@ impl Points {
     fn unweighted_batch(&self, range: Range<u64>, control: &Control) -> Result<Ensemble> {
         match &self.kind {
             Kind::Held(ensemble) => Ok(ensemble.slice(range.start as usize..range.end as usize)),
+            Kind::Part(part) => {
+                let from = part.first_index();
+                match range.start.checked_sub(from).filter(|_| range.end <= self.end()) {
+                    Some(start) => Ok(part.slice(start as usize..(range.end - from) as usize)),
+                    None => {
+                        let reason = format!("holds {from}..{} of a stream, and is asked for {range:?}", self.end());
+                        Err(Error::input(&self.subject, reason))
+                    }
+                }
+            }
             Kind::Files(files) => files.batch(range, &self.domain, control),
             Kind::Drawn(draw) => draw(range),
             Kind::Elsewhere => {

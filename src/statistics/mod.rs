@@ -27,8 +27,10 @@ pub(crate) mod targets;
 pub(crate) mod waves;
 
 pub(crate) use keys::Keys;
-pub(crate) use output::{Array, At, Bar, Cells, Image, Make, Map, Output, Place, Shown, Steps, Svg, Turn, Values};
-pub(crate) use table::{NumberCells, Table, cell};
+pub use output::{Array, Values};
+pub(crate) use output::{At, Bar, Cells, Image, Make, Map, Output, Place, Shown, Steps, Svg, Turn};
+pub(crate) use table::cell;
+pub use table::{Column, Table};
 
 use crate::error::Result;
 use crate::estimate::{Analysis, Curve};

@@ -74,15 +74,20 @@ pub(crate) struct Place {
 pub(crate) type Caption = fn(&Analysis, &str) -> Option<String>;
 
 /// An array in C order; it may be GiB, so its values come one by one.
-pub(crate) struct Array<'a> {
-    pub(crate) shape: Vec<u64>,
-    pub(crate) values: Values<'a>,
+pub struct Array<'a> {
+    /// Its sides, the slowest first.
+    pub shape: Vec<u64>,
+    /// What it holds.
+    pub values: Values<'a>,
 }
 
 /// What an array holds.
-pub(crate) enum Values<'a> {
+pub enum Values<'a> {
+    /// Numbers, NaN where one is undefined.
     Real(Box<dyn Iterator<Item = f64> + Send + 'a>),
+    /// Counts.
     Integer(Box<dyn Iterator<Item = u64> + Send + 'a>),
+    /// Amplitudes.
     Complex(Box<dyn Iterator<Item = Complex<f64>> + Send + 'a>),
 }
 

@@ -7,15 +7,21 @@ use crate::estimate::Band;
 /// The name of a column.
 pub(crate) type Name = Cow<'static, str>;
 
-/// Columns of equal length.
-pub(crate) struct Table {
+/// Named columns of equal length, as a file of a result has them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
     columns: Vec<(Name, Vec<String>)>,
 }
 
-/// The numbers of a column, NaN where one is undefined.
-pub(crate) enum NumberCells<R, I> {
-    Real(R),
-    Integer(I),
+/// What a column holds, a value for each row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// Numbers, NaN where one is undefined.
+    Real(Vec<f64>),
+    /// Counts.
+    Integer(Vec<u64>),
+    /// Words.
+    Text(Vec<String>),
 }
 
 /// A float as the shortest decimal that reads back as the same f64, zero without a sign; undefined or infinite: empty.
@@ -65,27 +71,24 @@ impl Table {
     }
 
     /// How many rows it has.
-    pub(crate) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.columns.iter().map(|column| column.1.len()).max().unwrap_or(0)
     }
 
-    /// Its columns of numbers, a number for each row: cells read back as what was written.
-    pub(crate) fn numbers(
-        &self,
-    ) -> impl Iterator<Item = (&str, NumberCells<impl Iterator<Item = f64>, impl Iterator<Item = u64>>)> {
+    /// Its columns by name. Numbers are those that were written, to the bit.
+    pub fn values(&self) -> impl Iterator<Item = (&str, Column)> {
         let rows = self.rows();
-        self.columns.iter().filter_map(move |(name, texts)| {
-            let cells = (0..rows).map(move |row| texts.get(row).map_or("", String::as_str));
-            let are = |number: fn(&str) -> bool| texts.len() == rows && texts.iter().all(|text| number(text));
+        self.columns.iter().map(move |(name, texts)| {
+            let cells = (0..rows).map(|row| texts.get(row).map_or("", String::as_str));
             // A real number has a point or an exponent.
-            let numbers = if are(|text| text.parse::<u64>().is_ok()) {
-                NumberCells::Integer(cells.map(|cell| cell.parse().unwrap_or(0)))
+            let column = if texts.len() == rows && texts.iter().all(|text| text.parse::<u64>().is_ok()) {
+                Column::Integer(cells.map(|cell| cell.parse().unwrap_or(0)).collect())
             } else if texts.iter().all(|text| text.is_empty() || text.parse::<f64>().is_ok()) {
-                NumberCells::Real(cells.map(|cell| cell.parse().unwrap_or(f64::NAN)))
+                Column::Real(cells.map(|cell| cell.parse().unwrap_or(f64::NAN)).collect())
             } else {
-                return None;
+                Column::Text(cells.map(str::to_string).collect())
             };
-            Some((name.as_ref(), numbers))
+            (name.as_ref(), column)
         })
     }
 

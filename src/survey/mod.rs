@@ -347,14 +347,24 @@ impl Survey {
         }
     }
 
+    /// Its tables, by the names of their files.
+    pub fn tables(&self) -> Vec<(&'static str, Table)> {
+        let names = match self.views {
+            Views::Projections => ["projections.csv", "projections_pcf.csv", "projections_radial.csv"],
+            Views::Prefixes(_) => ["prefixes.csv", "prefixes_pcf.csv", "prefixes_radial.csv"],
+        };
+        let tables = [Some(self.scalars()), tables::pcf(self), tables::radial(self)];
+        names.into_iter().zip(tables).filter_map(|(name, table)| Some((name, table?))).collect()
+    }
+
     /// Writes everything into `dir`, as `report::write` does.
     ///
     /// # Errors
     /// As `report::write`.
     pub fn write(&self, dir: &Path, asked: &Asked, force: bool) -> Result<Vec<PathBuf>> {
-        let (kind, names) = match self.views {
-            Views::Projections => ("projections", ["projections.csv", "projections_pcf.csv", "projections_radial.csv"]),
-            Views::Prefixes(_) => ("prefixes", ["prefixes.csv", "prefixes_pcf.csv", "prefixes_radial.csv"]),
+        let kind = match self.views {
+            Views::Projections => "projections",
+            Views::Prefixes(_) => "prefixes",
         };
         let own = json!({
             "survey": kind,
@@ -366,9 +376,7 @@ impl Survey {
             "device": self.device,
         });
         report::write_files(dir, force, asked, &self.warnings, own, |files| {
-            let tables = [Some(self.scalars()), tables::pcf(self), tables::radial(self)];
-            let tables: Vec<_> =
-                names.into_iter().zip(tables).filter_map(|(name, table)| Some((name, table?))).collect();
+            let tables = self.tables();
             for (name, table) in &tables {
                 files.add(name, |file| file.write_all(&table.csv()?));
             }

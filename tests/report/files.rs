@@ -464,6 +464,31 @@ fn files_for_what_there_is() {
     }
 }
 
+/// What is had of an analysis without files is what files have.
+#[test]
+fn every_file_can_be_had_without_being_written() {
+    let (a, dir) = (small(), tempfile::tempdir().unwrap());
+    let out = dir.path().join("out");
+    report::write(&out, &a, false).unwrap();
+    let mut there = 0;
+    for name in report::file_names().into_iter().chain(["report.html"]) {
+        let made = report::file(name, &a).unwrap();
+        there += u32::from(made.is_some());
+        assert_eq!(made, fs::read(out.join(name)).ok(), "{name}");
+    }
+    assert!(there > 5);
+    assert_eq!(report::file("results.npz", &a).unwrap(), None);
+    let summary: serde_json::Value =
+        serde_json::from_slice(&report::file("summary.json", &a).unwrap().unwrap()).unwrap();
+    assert_eq!(summary["k"], json(&out)["k"]);
+    let g = report::table("pcf", &a).unwrap();
+    let columns: BTreeMap<&str, report::Column> = g.values().collect();
+    assert!(matches!(&columns["count"], report::Column::Integer(counts) if counts.len() == g.rows()));
+    assert_eq!(columns["g"], report::Column::Real(a.pair_correlation().unwrap().g.clone()));
+    assert_eq!(report::array("spectrum", &a).unwrap().shape.len(), 2);
+    assert!(report::table("spectrum", &a).is_none() && report::array("pcf", &a).is_none());
+}
+
 #[test]
 fn neighbor_functions_read_back_as_the_same_numbers() {
     let root = tempfile::tempdir().unwrap();
