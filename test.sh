@@ -49,6 +49,15 @@ if [ "${PAIRWAVE_ALLOW_NO_BROWSER:-}" != 1 ]; then
     command -v chromium chromium-browser google-chrome google-chrome-stable >/dev/null || browser="chromium"
     install_missing "a browser" PAIRWAVE_ALLOW_NO_BROWSER "browser tests" $browser
 fi
+# The wheel for Python has tests in Python; what they need is fetched while everything else is built.
+if [ "${PAIRWAVE_ALLOW_NO_PYTHON:-}" != 1 ]; then
+    python="" venv=target/python
+    python3 -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || python="python3-venv"
+    install_missing "Python 3.11 or later" PAIRWAVE_ALLOW_NO_PYTHON "Python tests" $python
+    [ -x "$venv/bin/pip" ] || python3 -m venv "$venv"
+    "$venv/bin/pip" install -q --disable-pip-version-check -r python/tests/requirements.txt >"$venv/requirements.log" 2>&1 &
+    requirements=$!
+fi
 # Mesa's device-select layer asks for this directory and complains on stderr without it.
 if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
     XDG_RUNTIME_DIR=$(mktemp -d) && export XDG_RUNTIME_DIR
@@ -66,6 +75,13 @@ cargo fmt --all --check
 cargo clippy --workspace --all-targets --profile test -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --document-private-items --profile test
 cargo test --workspace
+if [ "${PAIRWAVE_ALLOW_NO_PYTHON:-}" != 1 ]; then
+    wait "$requirements" || { cat "$venv/requirements.log" >&2; exit 1; }
+    rm -rf target/wheels
+    "$venv/bin/maturin" build -q --profile wheel --manifest-path python/Cargo.toml --interpreter "$venv/bin/python" --out target/wheels
+    "$venv/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps target/wheels/pairwave-*.whl
+    PAIRWAVE_PROGRAM="${CARGO_TARGET_DIR:-$PWD/target}/debug/pairwave" "$venv/bin/python" -m pytest python
+fi
 # The library and the command line need no GUI crate.
 tree=$(cargo tree -p pairwave -e normal,build,dev --prefix none)
 ! grep -E '^(egui|eframe|winit|rfd)' <<<"$tree" || exit 1

@@ -1,0 +1,117 @@
+"""Sums that grow are those of one call."""
+
+import pickle
+
+import numpy
+import pytest
+
+import pairwave
+
+
+@pytest.mark.parametrize("stats", ["pcf", "pcf,spectrum,neighbors,k-function", "counts,discrepancy"])
+def test_added_one_by_one_is_one_call(stats, points):
+    sums = pairwave.Measurement(k=20, stats=stats, device="cpu")
+    for one in points:
+        sums.add(one)
+    whole, grown = pairwave.measure(points, stats=stats, device="cpu"), sums.result()
+    assert sums.realizations == 20
+    for name in whole.tables:
+        assert whole.file(f"{name}.csv") == grown.file(f"{name}.csv"), name
+    for name, array in whole.arrays.items():
+        numpy.testing.assert_array_equal(array, grown[name])
+
+
+def test_what_is_yielded_is_not_held(points):
+    def endless():
+        for k in range(10_000):
+            if k == 300:
+                raise RuntimeError("the detector is off")
+            yield points[k % 20]
+
+    sums = pairwave.Measurement(stats="pcf", bins=9)
+    with pytest.raises(RuntimeError, match="detector"):
+        sums.add(endless())
+    assert sums.realizations == 300 and sums.result().summary["k"] == 300
+
+
+def test_more_can_be_added_after_a_result(points):
+    sums = pairwave.Measurement(stats="pcf,spectrum", device="cpu")
+    sums.add(points[:7])
+    first = sums.result()
+    assert first.file("pcf.csv") == pairwave.measure(points[:7], stats="pcf,spectrum", device="cpu").file("pcf.csv")
+    sums.add(points[7:])
+    whole = pairwave.measure(points, stats="pcf,spectrum", device="cpu")
+    assert sums.result().file("pcf.csv") == whole.file("pcf.csv")
+    numpy.testing.assert_array_equal(sums.result().spectrum, whole.spectrum)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_parts_merge(points, turned, tmp_path):
+    one = pairwave.Measurement(stats="pcf", bins=9, r_max=0.3)
+    two = pairwave.Measurement(first=16, stats="pcf", bins=9, r_max=0.3)
+    one.add(points[:16])
+    two.add(points[16:])
+    two = pickle.loads(pickle.dumps(two))
+    path = two.save(tmp_path / "two.sums")
+    two = pairwave.Measurement.load(path)
+    both = (two, one) if turned else (one, two)
+    both[0].merge(both[1])
+    assert both[0].result().file("pcf.csv") == pairwave.measure(points, stats="pcf", bins=9, r_max=0.3).file("pcf.csv")
+    with pytest.raises(ValueError, match="both parts hold realizations"):
+        both[0].merge(one if turned else two)
+
+
+def test_what_does_not_fit_is_refused_and_changes_nothing(points):
+    sums = pairwave.Measurement(stats="pcf", bins=9)
+    sums.add(points)
+    other = pairwave.Measurement(first=32, stats="pcf", bins=8)
+    other.add(points[:16])
+    with pytest.raises(ValueError, match="before 20 do not end at a multiple of 16"):
+        sums.merge(other)
+    even = pairwave.Measurement(stats="pcf", bins=9)
+    even.add(points[:16])
+    with pytest.raises(ValueError, match="not of the same measurement"):
+        even.merge(other)
+    with pytest.raises(ValueError, match="3"):
+        sums.add(numpy.zeros((4, 3)))
+    bad = points[0].copy()
+    bad[5, 1] = 1.5
+    with pytest.raises(ValueError, match="point 5"):
+        sums.add(bad)
+    assert sums.realizations == 20
+    assert sums.result().file("pcf.csv") == pairwave.measure(points, stats="pcf", bins=9).file("pcf.csv")
+    gap = pairwave.Measurement(stats="pcf", bins=9)
+    gap.merge(pickle.loads(pickle.dumps(_of(points, 32))))
+    with pytest.raises(ValueError, match="1-32"):
+        gap.result()
+
+
+def _of(points, first):
+    part = pairwave.Measurement(first=first, stats="pcf", bins=9)
+    part.add(points)
+    return part
+
+
+def test_nothing_is_an_error():
+    with pytest.raises(ValueError, match="no realizations"):
+        pairwave.Measurement(stats="pcf").result()
+    with pytest.raises(ValueError, match="envelope"):
+        pairwave.Measurement(stats="pcf", envelope=9)
+    with pytest.raises(ValueError, match="multiple of 16"):
+        pairwave.Measurement(first=5)
+    full = pairwave.Measurement(k=2, stats="pcf")
+    full.add(numpy.full((2, 3, 2), 0.5))
+    with pytest.raises(ValueError, match="k 2"):
+        full.add(numpy.full((3, 2), 0.5))
+
+
+def test_numbers_of_points_may_differ():
+    random = numpy.random.default_rng(3)
+    sets = [random.random((n, 2)) for n in random.integers(40, 90, 50)]
+    mean = sum(map(len, sets)) / len(sets)
+    sums = pairwave.Measurement(stats="pcf,spectrum", r_max=0.2, max_frequency=5, mean_points=mean)
+    for one in sets:
+        sums.add(one)
+    whole = pairwave.measure(sets, stats="pcf,spectrum", r_max=0.2, max_frequency=5)
+    assert sums.result().file("pcf.csv") == whole.file("pcf.csv")
+    numpy.testing.assert_array_equal(sums.result().spectrum, whole.spectrum)
