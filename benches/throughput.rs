@@ -4,15 +4,17 @@
 //! and the calibrator runs between them.
 
 mod common;
-mod naive_spectrum;
+mod naive;
 
 use pairwave::compute::cpu::{Cpu, SimdLevel, fma_gflop};
 use pairwave::compute::gpu::{AdapterChoice, GpuCompute};
 use pairwave::compute::{Compute, Work};
 use pairwave::control::Control;
 use pairwave::plan::{Accuracy, Correction, LagGrid, LagPlan, PairPlan, RadialBins, WaveGrid, WaveMethod, WavePlan};
+use pairwave::points::Ensemble;
 
 use common::{Clock, uniform, wait};
+use naive::Naive;
 
 const REPETITIONS: usize = 5;
 
@@ -32,7 +34,8 @@ fn main() {
         Ok(gpu) => {
             let summary = gpu.gpu().summary().clone();
             table(&gpu, summary.software);
-            naive(&gpu, summary.index, summary.software);
+            naive_pairs(&gpu, summary.index, summary.software);
+            naive_spectrum(&gpu, summary.index, summary.software);
         }
         Err(why) => println!("\nGPU not measured: {why}"),
     }
@@ -139,28 +142,64 @@ fn gflop(points: usize, m: usize) -> f64 {
     8.0 * points as f64 * (m + 1).pow(2) as f64 * 1e-9
 }
 
+/// The points of the first realization in f32.
+fn rounded(ensemble: &Ensemble, n: usize) -> Vec<[f32; 2]> {
+    let fraction = |axis: usize, j: usize| (ensemble.all_fractions(axis)[j] >> 40) as f32 / (1 << 24) as f32;
+    (0..n).map(|j| [fraction(0, j), fraction(1, j)]).collect()
+}
+
+/// Exact counts by tiles against a histogram in global memory, on the same device and points.
+fn naive_pairs(gpu: &GpuCompute, adapter: usize, by_processor: bool) {
+    let (n, bins) = (if by_processor { 10_000 } else { 1_000_000 }, 256);
+    let name = format!("pairs 2D naive, n = {n}, r < 0.5, {bins} bins");
+    if !wanted(&name) {
+        return;
+    }
+    let (ensemble, shape) = uniform(2, n, 1);
+    let Ok(edges) = RadialBins::linear(0.5, bins) else { return };
+    let Ok(plan) = PairPlan::new(ensemble.domain(), edges, Correction::None, shape) else { return };
+    let size = [n as u32, bins as u32];
+    let Ok(naive) = Naive::new(adapter, naive::PAIRS, &rounded(&ensemble, n), bins as u32, size) else { return };
+    // Both count the same pairs, but for those next to an edge.
+    let (Ok(theirs), Ok(ours)) = (naive.run::<u32>(), wait(gpu.pair_counts(&plan, &ensemble, &Control::default())))
+    else {
+        return;
+    };
+    let moved: u64 = theirs.iter().zip(&ours.counts).map(|(a, b)| (2 * u64::from(*a)).abs_diff(*b)).sum();
+    assert!(moved as f64 <= 2e-4 * plan.pairs(), "{moved} pairs in other bins");
+    let (level, mut limit) = (SimdLevel::detect(), 0.0);
+    let amount = plan.pairs() * 1e-9;
+    let slow = best(level, &mut limit, by_processor, amount, || assert!(naive.run::<u32>().is_ok()));
+    let fast = best(level, &mut limit, by_processor, amount, || {
+        assert!(wait(gpu.pair_counts(&plan, &ensemble, &Control::default())).is_ok());
+    });
+    print(&name, slow, "Gpair/s", limit);
+    println!("exact counts by tiles take {:.2} times as long as distances in f32 into one histogram", slow / fast);
+}
+
 /// A sine and a cosine per term against the product, on the same device and points.
-fn naive(gpu: &GpuCompute, adapter: usize, by_processor: bool) {
+fn naive_spectrum(gpu: &GpuCompute, adapter: usize, by_processor: bool) {
     let (n, m) = if by_processor { (4096, 64) } else { (65_536, 256) };
     let name = format!("spectrum 2D naive, 1 x n = {n}, M = {m}");
     if !wanted(&name) {
         return;
     }
     let (ensemble, shape) = uniform(2, n, 1);
-    let fraction = |axis: usize, j: usize| (ensemble.all_fractions(axis)[j] >> 40) as f32 / (1 << 24) as f32;
-    let points: Vec<[f32; 2]> = (0..n).map(|j| [fraction(0, j), fraction(1, j)]).collect();
     let Ok(grid) = WaveGrid::new(&[m as u32, m as u32]) else { return };
     let Ok(plan) = WavePlan::new(ensemble.domain(), grid, Accuracy::Fast, shape) else { return };
-    let Ok(naive) = naive_spectrum::Naive::new(adapter, &points, m as u32) else { return };
+    let modes = ((m + 1) * (2 * m + 1)) as u32;
+    let points = rounded(&ensemble, n);
+    let Ok(naive) = Naive::new(adapter, naive::SPECTRUM, &points, m as u32, [modes; 2]) else { return };
     // Both compute the same thing.
-    let (Ok(theirs), Ok(ours)) = (naive.run(), wait(gpu.wave_power(&plan, &ensemble, &Control::default()))) else {
+    let (Ok(theirs), Ok(ours)) = (naive.run::<f32>(), wait(gpu.wave_power(&plan, &ensemble, &Control::default())))
+    else {
         return;
     };
     for (a, b) in theirs.iter().zip(ours.mode_totals().q) {
         assert!((f64::from(*a) - b).abs() <= 1e-2 * (n as f64 + b), "{a} against {b}");
     }
     let (level, mut limit) = (SimdLevel::detect(), 0.0);
-    let slow = best(level, &mut limit, by_processor, gflop(n, m), || assert!(naive.run().is_ok()));
+    let slow = best(level, &mut limit, by_processor, gflop(n, m), || assert!(naive.run::<f32>().is_ok()));
     let fast = best(level, &mut limit, by_processor, gflop(n, m), || {
         assert!(wait(gpu.wave_power(&plan, &ensemble, &Control::default())).is_ok());
     });

@@ -10,4 +10,5 @@ mod pair_counts;
 mod shader_layouts;
 mod shaders_valid;
 mod shared;
+mod spirv;
 mod wave_power;
