@@ -161,6 +161,15 @@ mod tests {
         assert_eq!(shuffled, whole);
     }
 
+    /// Leaves 0 to 6 are nodes of 4, of 2 and of 1: 1 is lost in what is added to it first, and would be left if it came last.
+    #[test]
+    fn totals_are_added_from_the_left() {
+        let mut sum = OrderedSum::default();
+        let values = [0.25, 0.25, 0.25, 0.25, 5e15, 5e15, -1e16];
+        (0..).zip(values).for_each(|(leaf, value)| sum.add_leaf(leaf, vec![value]));
+        assert_eq!(sum.total(), [0.0]);
+    }
+
     #[test]
     fn a_leaf_that_grows_has_the_bytes_of_one_added_at_once() {
         let values = [1e30, -0.1, 3e-3, 7e12, 0.1];

@@ -33,3 +33,15 @@ impl FromIterator<f64> for Compensated {
         sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is small beside the sum, or beside what is added to it, is kept.
+    #[test]
+    fn neither_term_loses_what_the_other_rounds_away() {
+        assert_eq!(total([1.0, 1e100, 1.0, -1e100].into_iter()), 2.0);
+        assert_eq!(total([1e100, 1.0, -1e100, 1.0].into_iter()), 2.0);
+    }
+}

@@ -132,3 +132,18 @@ pub(super) fn weighted<'a>(plan: &IntegrationPlan, ensemble: &'a Ensemble) -> Re
     }
     Ok(Cow::Borrowed(ensemble))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 10,000 shifts, a hundredth of a side has 100 along each axis, to five times their scatter.
+    #[test]
+    fn random_shifts_are_all_over_a_side() {
+        let mut parts = [[0i32; 100]; 3];
+        for shift in (0..10_000).map(random_shift) {
+            parts.iter_mut().zip(shift).for_each(|(parts, x)| parts[(x * 100.0) as usize] += 1);
+        }
+        assert!(parts.iter().flatten().all(|n| (n - 100).abs() <= 50), "{parts:?}");
+    }
+}

@@ -239,3 +239,18 @@ impl<'a> Seen<'a> {
         clusters.map_or_else(|| self.power(nu, self.reach().max(r)), |clusters| clusters.power(nu))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of few pairs, g^2 are there that could have a point in common with others; of many per point, nearly all.
+    #[test]
+    fn pairs_that_the_spectrum_speaks_of() {
+        assert_eq!(
+            [(0.5, 0.0), (1.0, 0.0), (3.0, 0.0), (0.5, 1.0)].map(|(g, k)| together(g, k)),
+            [0.25, 1.0, 1.0, 0.5]
+        );
+        assert!(together(0.5, 100.0) > 0.9998);
+    }
+}

@@ -142,4 +142,20 @@ mod tests {
             }
         }
     }
+
+    /// Isotropic on the same line, r below a quarter: seen from its other end too, a pair weighs `1/2 1/part` there, with part 1/2 nearer
+    /// than r to an end. One of four pieces of length r each weighs 1/4 or 3/4, all the rest 1/2: a variance of `4 r / 16`.
+    #[test]
+    fn sides_of_an_interval_from_both_ends() {
+        let domain = Domain::window(&[(2.0, 3.0)]).unwrap();
+        let shape = EnsembleShape { realizations: 1, mean_points: 10.0, max_points: 10 };
+        let bins = RadialBins::linear(0.24, 32).unwrap();
+        let plan = PairPlan::new(&domain, bins.clone(), Correction::Isotropic, shape).unwrap();
+        let edges = WindowEdges::new(&plan);
+        for b in 8..32 {
+            let (r, shell) = (bins.centres()[b], 2.0 * 0.24 / 32.0);
+            let (found, expected) = (edges.variances[0][b], 0.25 * r * shell * shell);
+            assert!((found - expected).abs() < 0.2 * expected, "{r}: {found}, expected {expected}");
+        }
+    }
 }

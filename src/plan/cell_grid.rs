@@ -155,6 +155,36 @@ mod tests {
     }
 
     /// Positions on both ends of every cell are never closer than the stencil takes them to be, wrapped or not.
+    fn assert_apart(domain: &Domain, grid: &CellGrid, beyond: u128) {
+        for (k, axis) in grid.axes(domain).into_iter().enumerate().take(domain.dim()) {
+            let (cells, extent) = (grid.cells[k], domain.extents()[k]);
+            if cells == 1 {
+                continue;
+            }
+            // The first position of cell c, by bisection.
+            let side = |c: u32| -> u128 {
+                let (mut low, mut high) = (0, extent);
+                while low < high {
+                    let middle = low.midpoint(high);
+                    if axis.cell(middle as u64) >= c { high = middle } else { low = middle + 1 }
+                }
+                low
+            };
+            assert_eq!((axis.cell(0), axis.cell((extent - 1) as u64)), (0, cells - 1));
+            for c in (0..cells).step_by((cells / 50).max(1) as usize).chain([cells - 1]) {
+                let (last, next) = (side(c + 1) - 1, c + grid.reach + 1);
+                let gap = if next < cells {
+                    side(next) - last
+                } else if domain.is_torus() {
+                    extent - last + side(next - cells)
+                } else {
+                    continue;
+                };
+                assert!(gap * gap >= beyond, "{domain:?}, {grid:?}, axis {k}, cell {c}");
+            }
+        }
+    }
+
     #[test]
     fn cells_beyond_the_reach_are_beyond_the_last_edge() {
         for domain in domains() {
@@ -162,33 +192,21 @@ mod tests {
                 let bins = RadialBins::linear(r * domain.shortest_side(), 1).unwrap();
                 let beyond = bins.thresholds(&domain).unwrap()[1];
                 let Some(grid) = CellGrid::new(&domain, beyond, reach, 1e5) else { continue };
-                for (k, axis) in grid.axes(&domain).into_iter().enumerate().take(domain.dim()) {
-                    let (cells, extent) = (grid.cells[k], domain.extents()[k]);
-                    if cells == 1 {
-                        continue;
-                    }
-                    // The first position of cell c, by bisection.
-                    let side = |c: u32| -> u128 {
-                        let (mut low, mut high) = (0, extent);
-                        while low < high {
-                            let middle = low.midpoint(high);
-                            if axis.cell(middle as u64) >= c { high = middle } else { low = middle + 1 }
-                        }
-                        low
-                    };
-                    assert_eq!((axis.cell(0), axis.cell((extent - 1) as u64)), (0, cells - 1));
-                    for c in (0..cells).step_by((cells / 50).max(1) as usize).chain([cells - 1]) {
-                        let (last, next) = (side(c + 1) - 1, c + reach + 1);
-                        let gap = if next < cells {
-                            side(next) - last
-                        } else if domain.is_torus() {
-                            extent - last + side(next - cells)
-                        } else {
-                            continue;
-                        };
-                        assert!(gap * gap >= beyond, "{domain:?}, {grid:?}, axis {k}, cell {c}");
-                    }
-                }
+                assert_apart(&domain, &grid, beyond);
+            }
+        }
+    }
+
+    /// Last edges that so many cells just hold, to the step, on a side whose cells are rounded: the last of them is narrower than it is
+    /// taken to be.
+    #[test]
+    fn cells_that_just_hold_an_edge_are_wide_enough() {
+        let domain = Domain::torus(&[1.0, 0.97]).unwrap();
+        for cells in 3..60 {
+            for (reach, less) in [1, 2, 3].into_iter().flat_map(|reach| (0..3).map(move |less| (reach, less))) {
+                let r_max = (domain.extents()[1] / cells - less) * u128::from(reach);
+                let Some(grid) = CellGrid::new(&domain, r_max * r_max, reach, 1e9) else { continue };
+                assert_apart(&domain, &grid, r_max * r_max);
             }
         }
     }

@@ -58,8 +58,9 @@ fn powers_are_within_the_promise() {
     for f in [[0, 0, 0], [2, 3, 4], [0, 1, 5], [8, 8, 8]] {
         powers_are_within(&format!("3D, F = {f:?}"), &ensemble(&[uniform(3, 300, 1), lattice(3, 5)]), &f);
     }
-    let sizes = [0, 1, 2, 127, 128, 129, 300].map(|n| uniform(2, n, n as u64));
-    powers_are_within("n = 0, 1, 2, ...", &ensemble(&sizes), &[10, 10]);
+    // Few points after many, which leave their tables behind.
+    let sizes = [300, 2, 129, 1, 128, 0, 127].map(|n| uniform(2, n, n as u64));
+    powers_are_within("n = 300, 2, ...", &ensemble(&sizes), &[10, 10]);
     powers_are_within("coincident", &ensemble(&[coincident(2, 1000)]), &[20, 20]);
     let window = Domain::window(&[(-1.0, 2.0), (0.0, 1.0)]).unwrap();
     powers_are_within("window", &ensemble_in(&window, &[uniform(2, 300, 1)]), &[20, 20]);

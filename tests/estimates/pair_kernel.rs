@@ -176,6 +176,23 @@ fn a_cut_batch_gives_the_same_kernel_sums() {
     assert!(parts.merge(sums(16..40)).is_err(), "the same realizations twice");
 }
 
+/// The bound of fine bins is made of these: the oscillation of a kernel over an interval, against a search through it.
+#[test]
+fn oscillations_are_those_of_a_search() {
+    let sides = [[-0.8, -0.3], [-0.3, 0.7], [-0.7, 0.3], [-0.4, 0.4], [-0.4, 0.0], [0.0, 0.4], [0.2, 0.6]];
+    let ends = [[0.8, 1.3], [-1.2, -0.9], [-1.2, 0.3], [-1.5, 1.0], [1.1, 1.2]];
+    for shape in SHAPES {
+        let kernel = Smoothing { shape, bandwidth: 0.3 };
+        for [lo, hi] in sides.into_iter().chain(ends).map(|of| of.map(|u| u * kernel.reach())) {
+            // The peak is at one of them.
+            let values = (0..=1000).map(|k| kernel.value(lo + (hi - lo) * f64::from(k) / 1000.0));
+            let [least, most] = values.fold([f64::INFINITY, 0.0f64], |[l, m], v| [l.min(v), m.max(v)]);
+            let found = kernel.oscillation(lo, hi);
+            assert!((found - (most - least)).abs() < 1e-9 * kernel.peak(), "{shape:?}, {lo} to {hi}: {found}");
+        }
+    }
+}
+
 /// Fine bins are within their own bound of the direct sum, and the smooth kernels within 1e-5.
 #[test]
 fn binned_kernel_sums_keep_their_bound() {

@@ -112,6 +112,7 @@ fn rings_of_unequal_sides_are_whole() {
     let rings = Rings::new(&grid.into(), &torus);
     // The next mode along y outside the grid is m_y = 5 at nu = 5, ring 10 (in units of 1/2): rings to 9 are whole.
     assert_eq!((rings.count, rings.fundamental), (9, 0.5));
+    assert_eq!(WaveGrid::default_max_frequency(1000.0, &Domain::unit_torus(1), pairwave::Memory(1 << 31)), [5000]);
     assert_eq!(WaveGrid::default_max_frequency(4096.0, &Domain::unit_torus(2), pairwave::Memory(1 << 31)), [320, 320]);
     assert_eq!(
         WaveGrid::default_max_frequency(1000.0, &Domain::unit_torus(3), pairwave::Memory(1 << 31)),

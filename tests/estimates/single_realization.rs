@@ -3,6 +3,7 @@
 
 use crate::common::*;
 use crate::shared::cpu;
+use pairwave::accumulate::PairCounts;
 use pairwave::compute::Compute;
 use pairwave::control::Control;
 use pairwave::estimate::{ErrorSource, KFunction, Normalization, PairCorrelation, PowerSpectrum, RadialSpectrum};
@@ -86,6 +87,36 @@ fn errors_of_g_and_k_hold_on_a_torus() {
         assert!(sources.iter().all(|source| *source == expected), "{name}: {sources:?}");
         assert_held(&format!("g of {name}"), &g, 0.03, 0.12);
         assert_held(&format!("K of {name}"), &k, 0.06, 0.12);
+    }
+}
+
+/// A pair closer than three spacings makes P, and so the errors of all bins, another; one beyond changes that of its own bin. And no bin is
+/// surer than one unordered pair makes it.
+#[test]
+fn pairs_up_to_three_spacings_make_p() {
+    let e = realizations("jittered", &[], 400, 2, false).swap_remove(0);
+    let plan = pair_plan(&e, RadialBins::linear(0.2, 80).unwrap(), Correction::None);
+    let counts = wait(cpu().pair_counts(&plan, &e, &Control::default())).unwrap();
+    let errors = |counts: &PairCounts| {
+        let g = PairCorrelation::new(&plan, counts, Normalization::Pairs);
+        assert_eq!(g.errors, ErrorSource::SpectralTheory);
+        g.g_se
+    };
+    let as_is = errors(&counts);
+    for (spacings, seen) in [(1.7, true), (2.3, true), (2.9, true), (3.1, false), (3.8, false)] {
+        let mut more = counts.clone();
+        let bin = (spacings * 0.05 * 400.0) as usize;
+        more.counts[bin] += 2;
+        more.bins.sums[bin] += 2 << more.steps.sum_bits;
+        let more = errors(&more);
+        let differs = (0..80).any(|b| b != bin && more[b] != as_is[b]);
+        assert_eq!(differs, seen, "a pair more at {spacings} spacings");
+    }
+    let empty = counts.counts.iter().take_while(|&&count| count == 0).count();
+    assert!(empty > 0);
+    for (b, se) in as_is[..empty].iter().enumerate() {
+        let ordered_pairs = se * 400.0 * 399.0 * plan.shell_measure(b);
+        assert!((ordered_pairs - 2.0).abs() < 1e-9, "bin {b}: {ordered_pairs}");
     }
 }
 

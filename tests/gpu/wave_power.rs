@@ -84,6 +84,32 @@ fn power_of_weighted_points_is_within_its_bound() {
     }
 }
 
+/// Two chunks whose sums, larger than 512 and odd in steps of 2^-15, an f32 does not hold: all but one step of them cancels. Points are at
+/// 0, where every phase is exact, and weights follow the order that points are taken in.
+#[test]
+fn sums_of_chunks_lose_no_step() {
+    let Some(gpu) = shared("sums of chunks") else { return };
+    let n = 2048;
+    let step = 0.5f64.powi(15);
+    let mut weights = vec![0.0; n];
+    for (place, point) in (0..33).flat_map(|first| (first..n).step_by(33)).enumerate() {
+        weights[point] = match place {
+            500 => 0.5 + step,
+            1500 => -0.5,
+            _ if place < n / 2 => 1.0,
+            _ => -1.0,
+        };
+    }
+    let ensemble = ensemble(&[raw(2, vec![0.0; 2 * n])]).with_weights(&weights);
+    let plan = wave_plan(&ensemble, &[5, 5], Accuracy::Fast);
+    let here = wait(gpu.wave_power(&plan, &ensemble, &go())).unwrap().mode_totals().q;
+    let truth = reference_power(&plan, &ensemble).mode_totals().q;
+    assert!((truth[plan.waves.len() - 1] - step * step).abs() < 1e-6 * step * step);
+    for (index, (q, truth)) in here.iter().zip(&truth).enumerate() {
+        assert!((q - truth).abs() <= 1e-6 * truth, "{:?}: {q:e} for {truth:e}", plan.waves.vector(index));
+    }
+}
+
 /// P here and by the reference, at every `every`th mode of a grid: the reference takes its time.
 fn sampled_power(gpu: &GpuCompute, ensemble: &Ensemble, f: u32, accuracy: Accuracy, every: usize) -> Vec<[f64; 2]> {
     let plan = wave_plan(ensemble, &[f, f], accuracy);

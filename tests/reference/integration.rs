@@ -146,6 +146,21 @@ fn pairs_counted_by_distance_come_to_the_exact_sum() {
     assert!(wrong.contains("radial: is for a box of equal sides"), "{wrong}");
 }
 
+/// Of shifts on a line, any wave of fewer periods than there are shifts has mean 0.
+#[test]
+fn shifts_on_a_line_are_evenly_spread() {
+    let ensemble = drawn("jittered", 8, 1, 1, &[]);
+    for count in [1, 5, 8] {
+        let plan = integrals::plan(&ensemble, &SMOOTH, IntegrationSettings { shifts: count, ..settings() });
+        assert_eq!(plan.shifts.len(), count as usize);
+        for m in 1..count {
+            let turn = |shift: &f64| std::f64::consts::TAU * f64::from(m) * shift;
+            let [re, im] = [f64::cos, f64::sin].map(|of| plan.shifts.iter().map(|s| of(turn(s))).sum::<f64>());
+            assert!(re.hypot(im) < 1e-12, "{count} shifts, {m} periods: {re}, {im}");
+        }
+    }
+}
+
 /// Lags: single points, shells and what is not resolved add up to the spatial form; of jittered points all that matters is near.
 #[test]
 fn lags_add_up_to_the_spatial_form() {
@@ -191,6 +206,46 @@ fn the_tail_closes_edges() {
         let random = e.spectral.value + (e.v0 / 256.0) * (e.tail_share + e.tail_axes / (e.v0 / 256.0) * 2.0);
         assert!((random / spatial - 1.0).abs() > 0.05, "{name}: closed with P = 1 along the axis it would be {random}");
     }
+}
+
+/// P where the grid ends: of a rank-1 lattice it is 610 at (21, 13) and (13, -21), 0 in the outermost tenth of a grid to 30, and along axes
+/// 610 once in the last tenth of 2,440 frequencies, 2.5 on the mean.
+#[test]
+fn the_tail_is_bounded_by_p_at_the_end_of_the_grid() {
+    let analysis = found(
+        "--sampler lattice -n 610 --param a=377 -k 1 --integrand disk --max-frequency 30 --device cpu --stats spectrum",
+    );
+    let e = of(&analysis, "disk");
+    let excess = e.tail_bound / (e.tail - e.tail_axes);
+    assert!((excess - 1.5).abs() < 0.02, "P is off 1 by {excess}");
+}
+
+/// One point: P is 1, and a cosine has |f|^2 of 1/4 at two frequencies, each other's mirror image. Errors of exponential power are `sqrt(2) / 4`
+/// of it whether these are in the grid or along an axis beyond.
+#[test]
+fn errors_of_one_realization_count_mirror_images() {
+    for f in [1, 4] {
+        let analysis = found(&format!(
+            "--sampler random -n 1 -k 1 --integrand cosine:x=3 --max-frequency {f} --device cpu --stats spectrum"
+        ));
+        let se = of(&analysis, "cosine").closed.se.unwrap();
+        assert!((se - 0.125f64.sqrt()).abs() < 1e-7, "grid to {f}: {se}");
+    }
+}
+
+/// Of few estimates, by the unbiased formula: `(m_4 - (k - 3)/(k - 1) s^4) / k`.
+#[test]
+fn the_error_of_an_observed_variance_is_that_of_its_moments() {
+    let analysis =
+        found("--sampler random -n 16 -k 12 --integrand disk --max-frequency 6 --device cpu --stats spectrum");
+    let e = of(&analysis, "disk");
+    let center = e.estimates.iter().sum::<f64>() / 12.0;
+    let moment = |power| e.estimates.iter().map(|x| (x - center).powi(power)).sum::<f64>();
+    let variance = moment(2) / 11.0;
+    let se = ((moment(4) / 12.0 - 9.0 / 11.0 * variance.powi(2)) / 12.0).sqrt();
+    assert!(se > variance * (2.0f64 / 11.0).sqrt() / 2.0, "above the least that is said");
+    let found = e.observed.unwrap();
+    assert!((found.value / variance - 1.0).abs() < 1e-12 && (found.se.unwrap() / se - 1.0).abs() < 1e-12, "{found:?}");
 }
 
 /// Shifted points are as predicted, of every integrand and sampler, in standard errors of the differences.

@@ -154,6 +154,38 @@ fn arcs_by_hand() {
     }
 }
 
+/// Circles that pass through the tip of a wedge cut into a box and meet nothing else, whatever rounding makes of the angles at which they
+/// enter and leave it: all of each is inside, and all but the wedge of the one about the tip.
+#[test]
+fn a_circle_through_a_tip_is_whole() {
+    let ring = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.125, 4.0], [2.0, 2.0], [1.875, 4.0], [0.0, 4.0]];
+    let domain = Domain::polygon(vec![vec![ring]]).unwrap();
+    let wedge = 2.0 * (0.125f64 / 2.0).atan() / std::f64::consts::TAU;
+    let mut rng = Rng(9);
+    for _ in 0..200 {
+        let pair = [[1.6 + 0.8 * rng.unit(), 1.3 + 0.4 * rng.unit()], [2.0, 2.0]];
+        for backend in backends() {
+            let found = weights(&*backend, &domain, pair, Correction::Isotropic);
+            let expected = 1.0 + 1.0 / (1.0 - wedge);
+            assert!((found - expected).abs() < 1e-9, "{pair:?}: {found}, not {expected}");
+        }
+    }
+}
+
+/// From the tip of a needle on a body farther off, and from where it is some wider: weights of ten millions are those of the angle, not of the least there is.
+#[test]
+fn a_needle_shows_little_of_a_circle() {
+    let slope = 1e-7;
+    let ring = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.9, 1.0], [0.9, 0.9 * slope]];
+    let domain = Domain::polygon(vec![vec![ring]]).unwrap();
+    // About the other point the tip adds nothing, and the needle is twice as wide at twice the distance.
+    let expected = std::f64::consts::TAU / slope * (1.0 + 0.5);
+    for backend in backends() {
+        let found = weights(&*backend, &domain, [[0.0, 0.0], [0.4, 0.2 * slope]], Correction::Isotropic);
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found:e}, not {expected:e}");
+    }
+}
+
 /// A box drawn with a vertex in the middle of a side is a polygon, and weighs pairs as the box does.
 #[test]
 fn a_box_is_a_box_however_it_is_drawn() {

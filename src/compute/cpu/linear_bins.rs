@@ -132,3 +132,27 @@ unsafe impl Bins for LinearBins {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pair a hair from an edge has any `r2` that five roundings make of the square of that edge: no such number is decided. One is that
+    /// of the number itself.
+    #[test]
+    fn roundings_of_an_edge_are_undecided() {
+        for (bins, first) in [(24, 0.0), (60, 0.0), (250, 0.0), (1000, 0.0), (250, 3.0), (24, 400.0)] {
+            let width = 1_234_567.8;
+            let linear = LinearBins::new(bins, 1.0 / width, first, 0.0).unwrap();
+            let square = |t: f64| ((t + first) * width).powi(2);
+            for bin in 1..bins {
+                let edge = bin as f64;
+                for roundings in -4..=4 {
+                    let r2 = (square(edge) * (1.0 + f64::from(roundings) * 2f64.powi(-24))) as f32;
+                    assert!(linear.bin(r2).1, "edge {bin} of {bins} from {first}, {roundings} roundings");
+                }
+                assert_eq!(linear.bin(square(edge + 0.5) as f32), (bin as u32, false), "{bin} of {bins} from {first}");
+            }
+        }
+    }
+}
