@@ -57,6 +57,9 @@ if [ "${PAIRWAVE_ALLOW_NO_PYTHON:-}" != 1 ]; then
     [ -x "$venv/bin/pip" ] || python3 -m venv "$venv"
     "$venv/bin/pip" install -q --disable-pip-version-check -r python/tests/requirements.txt >"$venv/requirements.log" 2>&1 &
     requirements=$!
+else
+    # What is checked of the package for it needs none.
+    export PYO3_NO_PYTHON=1
 fi
 # Mesa's device-select layer asks for this directory and complains on stderr without it.
 if [ -z "${XDG_RUNTIME_DIR:-}" ]; then

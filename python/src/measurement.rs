@@ -145,10 +145,11 @@ impl Measurement {
         self.sums.total()
     }
 
-    /// The realization after the last that it holds, counted from 0.
+    /// The first realization that it holds, and the one after the last, counted from 0.
     #[getter]
-    fn end(&self) -> u64 {
-        self.sums.end()
+    fn reach(&self) -> (u64, u64) {
+        let reach = self.sums.reach();
+        (reach.start, reach.end)
     }
 
     /// Number of coordinates.

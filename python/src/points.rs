@@ -30,6 +30,11 @@ pub(crate) struct Sets<'py> {
     weights: Vec<Vec<f64>>,
     #[pyo3(item)]
     labels: Vec<Vec<String>>,
+    /// Columns of a data frame that were taken, and those that were not.
+    #[pyo3(item)]
+    columns: Vec<String>,
+    #[pyo3(item)]
+    unused: Vec<String>,
     /// The number of the first in messages.
     #[pyo3(item)]
     first: u64,
@@ -38,7 +43,9 @@ pub(crate) struct Sets<'py> {
 impl Sets<'_> {
     fn marked(self) -> PyResult<Vec<MarkedPoints>> {
         let reading = Arc::new(Reading {
-            format: "NumPy".into(),
+            format: if self.columns.is_empty() { "NumPy".into() } else { "a data frame".into() },
+            columns: self.columns,
+            unused: self.unused,
             apart: Apart::Arrays,
             digits: self.digits,
             ..Reading::default()

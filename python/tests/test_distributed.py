@@ -75,6 +75,19 @@ def test_partial_results_grow(client):
 def test_errors_are_those_of_one_machine(client, many):
     with pytest.raises(ValueError, match="^r_max"):
         cluster.measure(client, many, **{**SETTINGS, "r_max": -1})
+    for wrong, kind, reason in (
+        ((many, {}), TypeError, "client: a ndarray"),
+        ((None, {"source": many, "scheduler": "proceses"}), ValueError, "scheduler 'proceses'"),
+        ((None, {"source": many, "shards": 0}), ValueError, "shards 0"),
+        ((None, {"source": many, "weights": many[..., 0]}), ValueError, "weights: needs all"),
+        ((None, {"source": ""}), ValueError, "source ''"),
+    ):
+        with pytest.raises(kind, match=reason):
+            cluster.measure(wrong[0], **wrong[1], **SETTINGS)
+    one = cluster.measure(None, many[0].tolist(), scheduler="synchronous", **SETTINGS)
+    same(one, pairwave.measure(many[0].tolist(), **SETTINGS))
+    bag = pytest.importorskip("dask.bag").from_sequence(list(many), npartitions=4).map_partitions(lambda p: p[:0] if p[0][0, 0] == many[0, 0, 0] else p)
+    same(cluster.measure(client, bag, **SETTINGS), pairwave.measure(many[25:], **SETTINGS))
     bad = many.copy()
     bad[77, 3, 0] = 2.0
     with pytest.raises(ValueError, match="realization 77, point 3"):

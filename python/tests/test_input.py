@@ -109,6 +109,66 @@ def test_settings_are_named_as_keywords(points):
             pairwave.measure(points, weights=weights)
 
 
+def test_nothing_is_passed_over(points, tmp_path):
+    one = points[0]
+    window = {"window": [0, 1, 0, 1], "stats": "pcf", "bins": 5}
+    random = numpy.random.default_rng(3).random((19, 64, 2))
+    assert "envelope" in pairwave.measure(one, envelope_from=random, **window)
+    with pytest.raises(FileNotFoundError):
+        pairwave.measure(one, envelope_from="nowhere.npy", **window)
+    masked = numpy.ma.array(one, mask=numpy.arange(128).reshape(64, 2) == 5)
+    labels = ["a", None] * 32
+    for wrong, kind, reason in (
+        ((masked, {}), ValueError, "masked"),
+        ((one, {"weights": numpy.ma.masked_less(one[:, 0], 0.5)}), ValueError, "weights.*masked"),
+        ((one, {"classes": labels}), ValueError, "classes, realization 0, point 1: None"),
+        ((one, {"bins": b"3"}), TypeError, "bins"),
+        ((one, {"bins": True}), TypeError, "bins True"),
+        ((one, {"box": {1, 2}}), TypeError, "box: a set"),
+        ((one, {"stats": {"pcf": False}}), TypeError, "stats: a dict"),
+        ((one, {"integrand": []}), ValueError, "integrand"),
+        ((one, {"integrand": 5}), TypeError, "integrand: a int"),
+        ((one, {"integrand": lambda x: x[:, 0] + 1j}), ValueError, "integrand.*complex"),
+        ((one, {"edges": [[1, 2], [3, 4]]}), ValueError, "edges: shape"),
+        ((one, {"edges": [0, float("nan")]}), ValueError, r"edges\[1\]"),
+        ((one, {"until_error": 5}), TypeError, r"until_error \[5\]"),
+        ((one, {"time_limit": "5"}), TypeError, "time_limit"),
+        ((numpy.float64(0.5), {}), ValueError, "one number"),
+    ):
+        with pytest.raises(kind, match=reason):
+            pairwave.measure(wrong[0], **wrong[1])
+    assert pairwave.pair_correlation(one, bins=numpy.array(3)).g.shape == (3,)
+
+    def odd(x):
+        return x[:, 0]
+
+    odd.__name__ = "../../" + "a/" * 200
+    assert pairwave.tabulate(odd, 1, 16).error < 0.1
+    with pytest.raises(TypeError, match="n 4.9"):
+        pairwave.sample("random", 4.9)
+
+
+def test_frames_are_read_as_they_say(points):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"x": points[0, :, 0], "y": points[0, :, 1], "run": [0, 1] * 32, "w": numpy.arange(64.0)})
+    by_column = pairwave.power_spectrum(frame, realization_column="run", weight_column="w", max_frequency=3)
+    sets = [frame[frame.run == k] for k in (0, 1)]
+    by_hand = pairwave.power_spectrum([s[["x", "y"]].to_numpy() for s in sets], weights=[s.w.to_numpy() for s in sets], max_frequency=3)
+    numpy.testing.assert_array_equal(by_column.spectrum, by_hand.spectrum)
+    assert g(pandas.DataFrame(points[0]), columns=[0, 1]) == g(points[0]) == g(frame, columns="1,2")
+    for settings, reason in (
+        ({"weights": frame.w.to_numpy(), "realization_column": "run"}, "weights: cannot be used with realization_column"),
+        ({"weights": frame.w.to_numpy(), "weight_column": "w"}, "weights: cannot be used with weight_column"),
+        ({"columns": [-1, 2]}, "columns -1"),
+        ({"columns": [5, 1]}, "columns 5"),
+    ):
+        with pytest.raises(ValueError, match=reason):
+            pairwave.measure(frame, **settings)
+    frame.loc[3, "run"] = None
+    with pytest.raises(ValueError, match="realization_column run: row 3"):
+        pairwave.measure(frame, realization_column="run")
+
+
 def test_every_setting_is_a_keyword():
     rows = {row["name"]: row for row in pairwave.settings()}
     assert len(rows) == 64 and all(row["help"] for row in rows.values())

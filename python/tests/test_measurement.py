@@ -81,9 +81,58 @@ def test_what_does_not_fit_is_refused_and_changes_nothing(points):
     assert sums.realizations == 20
     assert sums.result().file("pcf.csv") == pairwave.measure(points, stats="pcf", bins=9).file("pcf.csv")
     gap = pairwave.Measurement(stats="pcf", bins=9)
+    gap.add(points[:16])
     gap.merge(pickle.loads(pickle.dumps(_of(points, 32))))
-    with pytest.raises(ValueError, match="1-32"):
+    with pytest.raises(ValueError, match="17-32"):
         gap.result()
+    for wrong, why in (({"k": 1.5}, "k 1.5"), ({"mean_points": float("nan")}, "mean_points nan"), ({"columns": [1, 2]}, "columns")):
+        with pytest.raises((TypeError, ValueError), match=why):
+            pairwave.Measurement(stats="pcf", **wrong)
+    with pytest.raises(ValueError, match="of other settings"):
+        pairwave.Measurement(stats="pcf", bins=7).merge(sums)
+    with pytest.raises(TypeError, match="NoneType"):
+        sums.merge(None)
+
+
+def test_sums_go_on_where_they_are(points, tmp_path):
+    whole = pairwave.measure(numpy.concatenate([points[:16], points]), stats="pcf", bins=9).file("pcf.csv")
+    one = pairwave.Measurement(stats="pcf", bins=9)
+    one.add(points[:16])
+    two = _of(points[:16], 16)
+    # The later takes the earlier, and goes on after itself.
+    two.merge(one)
+    two.add(points[16:])
+    assert two.realizations == 36
+    four = pairwave.Measurement(stats="pcf", bins=9)
+    four.add(points[:16])
+    four.add(points)
+    assert four.result().file("pcf.csv") == whole
+    # A part that was kept is one: it has a result, and is added to where it ends with a leaf.
+    part = pairwave.Measurement.load(_of(points[:16], 16).save(tmp_path / "part"))
+    assert part.result().summary["k"] == 16
+    part.add(points)
+    one.merge(part)
+    assert one.realizations == 52 and one.result().summary["k"] == 52
+    ended = pairwave.Measurement.from_bytes(_of(points[:5], 0).to_bytes())
+    with pytest.raises(ValueError, match="nothing can be added"):
+        ended.add(points)
+    with pytest.raises(IsADirectoryError):
+        one.save(tmp_path, force=True)
+
+
+def test_threads_add_one_after_the_other(points, monkeypatch):
+    import threading
+
+    from pairwave import _measurement
+
+    monkeypatch.setattr(_measurement, "_WAITING", 64 * 16)
+    sums = pairwave.Measurement(stats="pcf", bins=9)
+    threads = [threading.Thread(target=lambda: [sums.add(one) for one in points]) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert sums.realizations == 80 and sums.result().summary["k"] == 80
+    with pytest.raises(RuntimeError, match="at work"):
+        sums.add(numpy.concatenate([points] * 2), progress=lambda *_: sums.result())
 
 
 def _of(points, first):

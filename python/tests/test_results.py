@@ -1,5 +1,6 @@
 """Results are arrays, tables, pictures and files, and survive a pickle."""
 
+import copy
 import pickle
 
 import numpy
@@ -27,11 +28,15 @@ def test_attributes(found):
     assert "<svg" in found._repr_html_() and "<table>" in found.pcf._repr_html_()
 
 
-def test_a_pickle_is_the_same(found):
+def test_a_pickle_is_the_same(found, tmp_path):
     again = pickle.loads(pickle.dumps(found))
     numpy.testing.assert_array_equal(again.pcf.g, found.pcf.g)
     numpy.testing.assert_array_equal(again.spectrum, found.spectrum)
     assert repr(again) == repr(found) and again.file("pcf.csv") == found.file("pcf.csv")
+    assert again.save(tmp_path / "kept")[-1].name == "summary.json" and copy.deepcopy(found) is found
+    assert not again.pcf.g.flags.writeable and not pairwave.compare(found, again).differ
+    verdict = pairwave.compare(found, pairwave.measure(sampler="random", n=64, k=10, stats="pcf,spectrum"))
+    assert verdict.differ and verdict.save(tmp_path / "compared")
     assert again.summary == found.summary and again._repr_html_() == found._repr_html_()
 
 

@@ -94,6 +94,9 @@ def test_weights_and_classes_are_columns(points, program, tmp_path):
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"x": one[:, 0], "y": one[:, 1], "w": weights, "c": labels})
     assert pairwave.measure(frame, class_column="c", stats="pcf", bins=6).file("pcf_cross.csv") == of_classes.file("pcf_cross.csv")
+    assert of_classes.summary["input"]["columns"] == []
+    read = pairwave.measure(frame, class_column="c", stats="pcf", bins=6).summary["input"]
+    assert (read["columns"], read["unused_columns"]) == (["x", "y"], ["w"])
     assert pairwave.measure(frame, weight_column="w", stats="pcf", bins=6).file("pcf.csv") == of_weights.file("pcf.csv")
 
 

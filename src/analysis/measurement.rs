@@ -403,9 +403,10 @@ impl Measurement {
         self.sizes.len()
     }
 
-    /// The index after the last realization that it holds.
-    pub fn end(&self) -> u64 {
-        self.sizes.runs().map(|(run, _)| run.end).max().unwrap_or(0)
+    /// From the first realization that it holds to the last.
+    pub fn reach(&self) -> Range<u64> {
+        let starts = self.sizes.runs().map(|(run, _)| run.start);
+        starts.min().unwrap_or(0)..self.sizes.runs().map(|(run, _)| run.end).max().unwrap_or(0)
     }
 
     /// The realizations that it lacks, `17-32, 65-80` counted from 1; `None` if it has all.

@@ -39,6 +39,15 @@ pub(super) struct FirstPass<'a> {
     outside: u64,
 }
 
+/// Their bytes, the least significant first on any machine; all at once where they lie so.
+fn hash_numbers(hash: &mut Xxh3Default, numbers: &[f64]) {
+    if cfg!(target_endian = "little") {
+        hash.update(bytemuck::cast_slice(numbers));
+    } else {
+        numbers.iter().for_each(|x| hash.update(&x.to_le_bytes()));
+    }
+}
+
 impl<'a> FirstPass<'a> {
     pub(super) fn new(request: &'a PointsRequest) -> Result<Self> {
         let polygon = request.window_polygon.as_ref().map(|path| read_polygon(path)).transpose()?;
@@ -93,9 +102,8 @@ impl<'a> FirstPass<'a> {
             self.compare(set);
             self.sizes.push(set.points.len() as u64);
             self.hash.update(&(set.points.len() as u64).to_le_bytes());
-            for x in set.points.coordinates.iter().chain(&set.weights) {
-                self.hash.update(&x.to_le_bytes());
-            }
+            hash_numbers(&mut self.hash, &set.points.coordinates);
+            hash_numbers(&mut self.hash, &set.weights);
             match self.request.intensity_column {
                 None => self.weights.see(&set.weights, |j| set.points.place(j)),
                 Some(_) => {
@@ -123,7 +131,7 @@ impl<'a> FirstPass<'a> {
             return;
         }
         let mut hash = Xxh3Default::new();
-        set.points.coordinates.iter().for_each(|x| hash.update(&x.to_le_bytes()));
+        hash_numbers(&mut hash, &set.points.coordinates);
         match self.known.entry(hash.digest128()) {
             Entry::Vacant(place) => _ = place.insert(self.sizes.len() as u64),
             Entry::Occupied(first) => {

@@ -31,7 +31,7 @@ impl Points {
     /// # Errors
     /// A point outside the domain, by its place; marks that are none; settings that say how files are read; no realizations.
     pub fn marked(sets: Vec<MarkedPoints>, request: &PointsRequest, control: &Control) -> Result<Self> {
-        Self::marked_alone(sets, request)?.with_intensity(request, control)
+        Self::marked_alone(sets, request)?.with_intensity(request, control)?.with_simulations(request, control)
     }
 
     fn marked_alone(sets: Vec<MarkedPoints>, request: &PointsRequest) -> Result<Self> {
@@ -76,7 +76,13 @@ impl Points {
         whole: EnsembleShape,
         request: &PointsRequest,
     ) -> Result<Self> {
-        let marks = [Setting::WeightColumn, Setting::IntensityColumn, Setting::ClassColumn, Setting::Inhomogeneous];
+        let marks = [
+            Setting::WeightColumn,
+            Setting::IntensityColumn,
+            Setting::ClassColumn,
+            Setting::Inhomogeneous,
+            Setting::EnvelopeFrom,
+        ];
         let asked = Request { input: request.clone(), ..Request::default() };
         let given = |setting: &&Setting| setting.row().is_some_and(|row| row.is_given(&asked));
         if let Some(setting) = marks.iter().find(given) {

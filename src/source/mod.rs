@@ -93,7 +93,12 @@ impl Points {
     /// # Errors
     /// The same; `Error::Cancelled`.
     pub fn open_with(request: &PointsRequest, control: &Control) -> Result<Self> {
-        let mut points = Self::open_subject(request, control)?;
+        Self::open_subject(request, control)?.with_simulations(request, control)
+    }
+
+    /// With the simulations that the request names, if it names any.
+    fn with_simulations(self, request: &PointsRequest, control: &Control) -> Result<Self> {
+        let mut points = self;
         if let Some(from) = request.envelope_from.first() {
             let of_files = PointsRequest {
                 files: request.envelope_from.clone(),

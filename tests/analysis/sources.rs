@@ -172,6 +172,13 @@ fn points_in_memory_are_those_of_a_file() {
     assert_eq!(held.shape(), read.shape());
     let both = [&held, &read].map(|points| points.batch(0..6, &Control::default()).unwrap());
     assert_eq!(both[0], both[1]);
+    // Simulations that are named are read.
+    let nowhere = Points::marked(
+        in_memory(sets(2, |_| 9, 1), false),
+        &points("--envelope-from nowhere.csv"),
+        &Control::default(),
+    );
+    assert!(nowhere.err().unwrap().to_string().contains("nowhere.csv"));
     // What says how files are read says nothing here, and is not passed over.
     for (line, name) in
         [("--columns x,y", "columns"), ("-n 5", "points"), ("--sampler random", "sampler"), ("a.csv", "files")]
@@ -216,7 +223,7 @@ fn parts_of_a_stream_are_merged() {
     for name in ["pcf", "spectrum_radial", "neighbor_functions"] {
         assert_eq!(table(&one, name), table(&other, name));
     }
-    assert_eq!(merged.end(), 40);
+    assert_eq!(merged.reach(), 0..40);
     // Each of these would count something twice, or what is not there.
     let of = |sets: &[MarkedPoints], first, request: &PointsRequest| {
         Points::of_stream("s", sets.to_vec(), first, shape, request).err().map(|error| error.to_string())
@@ -225,6 +232,7 @@ fn parts_of_a_stream_are_merged() {
         (of(&all[..16], 8, &request.input), "begins at a multiple of 16"),
         (of(&all[..16], 32, &request.input), "a part of 0..40"),
         (of(&all[..16], 0, &points("--weight-column w")), "relative to all realizations"),
+        (of(&all[..16], 0, &points("--envelope-from a.csv")), "relative to all realizations"),
         (of(&in_memory(sets(16, |_| 33, 1), false), 0, &request.input), "up to 33 points"),
     ] {
         assert!(error.as_ref().is_some_and(|error| error.contains(why)), "{error:?}: {why}");

@@ -41,7 +41,8 @@ def stored(array: np.ndarray[Any, Any], name: str, ending: str) -> str:
     path = os.path.join(folder, name + ending)
     if not os.path.exists(path):
         os.makedirs(folder, exist_ok=True)
-        part = f"{path}.{os.getpid()}{ending}"
+        handle, part = tempfile.mkstemp(ending, dir=folder)
+        os.close(handle)
         if ending == ".npy":
             np.save(part, array)
         else:

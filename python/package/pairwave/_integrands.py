@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +13,7 @@ import numpy as np
 
 from . import _files
 from ._pairwave import integrands as _integrands
+from ._settings import whole
 
 #: Cells per axis of a function in 1, 2 and 3 dimensions.
 _CELLS = {1: 1 << 16, 2: 1024, 3: 128}
@@ -71,12 +74,12 @@ def tabulate(f: Callable[[np.ndarray[Any, Any]], Any], dim: int, cells: int | No
     """
     if dim not in _CELLS:
         raise ValueError(f"dim {dim}: expected 1, 2 or 3")
-    cells = _CELLS[dim] if cells is None else int(cells)
+    cells = _CELLS[dim] if cells is None else whole("cells", cells)
     if cells < 2 or cells**dim > 1 << 26:
         raise ValueError(f"cells {cells}: expected at least 2, and at most 2^26 in all")
     centers = _values(f, dim, cells, 0.5)
     corners = _values(f, dim, cells, 0.0)
-    name = getattr(f, "__name__", "function").strip("<>") or "function"
+    name = re.sub(r"\W+", "_", str(getattr(f, "__name__", "function")), flags=re.ASCII).strip("_")[:40] or "function"
     path = _files.stored(centers, name, ".npy")
     return Tabulated(
         spec=f"table:file={path}",
@@ -86,10 +89,27 @@ def tabulate(f: Callable[[np.ndarray[Any, Any]], Any], dim: int, cells: int | No
     )
 
 
+_known: weakref.WeakKeyDictionary[Any, dict[int, Tabulated]] = weakref.WeakKeyDictionary()
+
+
+def tabulated(f: Callable[[np.ndarray[Any, Any]], Any], dim: int) -> Tabulated:
+    """The same by default cells, once for each function."""
+    try:
+        known = _known.setdefault(f, {})
+    except TypeError:
+        return tabulate(f, dim)
+    if dim not in known:
+        known[dim] = tabulate(f, dim)
+    return known[dim]
+
+
 def _values(f: Callable[[np.ndarray[Any, Any]], Any], dim: int, cells: int, offset: float) -> np.ndarray[Any, Any]:
     along = (np.arange(cells) + offset) / cells
     places = np.stack(np.meshgrid(*[along] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
-    values = np.asarray(f(places), dtype=float)
+    found = np.ma.asarray(f(places))
+    if found.dtype.kind not in "fiub" or np.ma.is_masked(found):
+        raise ValueError(f"integrand: the function returned {'masked values' if np.ma.is_masked(found) else found.dtype}; expected real numbers")
+    values = np.asarray(found, dtype=float)
     if values.shape not in ((len(places),), (len(places), 1)):
         raise ValueError(f"integrand: the function returned shape {values.shape} for {places.shape}; expected ({len(places)},)")
     values = values.reshape(-1)

@@ -10,7 +10,7 @@ from . import _pairwave
 from ._points import are_files, frames, sets
 from ._progress import Progress, told
 from ._result import Found, Result
-from ._settings import call, request
+from ._settings import call, request, whole
 
 
 def prepared(
@@ -24,16 +24,23 @@ def prepared(
     """The request of keywords, and its points."""
     given = {name: value for name, value in given.items() if value is not None}
     if points is None or are_files(points):
-        for name, value in (("weights", weights), ("classes", classes), ("intensities", intensities)):
+        marks = ((weights, "weights", "weight_column"), (classes, "classes", "class_column"), (intensities, "intensities", "intensity_column"))
+        for value, name, column in marks:
             if value is not None:
-                raise ValueError(f"{name}: marks of arrays; files have columns of them ({name[:-1]}_column)".replace("classe_", "class_").replace("intensitie_", "intensity_"))
+                raise ValueError(f"{name}: are of points that are arrays; files have columns of them ({column})")
         if points is not None:
             files = [points] if isinstance(points, (str, os.PathLike)) else list(points)
             given["files"] = [os.fspath(file) for file in files]
         asked = request(given, _dim_of(given))
         asked = asked.integrals_alone() if integrals_alone else asked
         return asked, _pairwave.Points.open(asked)
+    apart = given.get("realization_column")
     points, of = frames(points, given)
+    for value, name, column in ((weights, "weights", "weight_column"), (classes, "classes", "class_column"), (intensities, "intensities", "intensity_column")):
+        if value is not None and name in of:
+            raise ValueError(f"{name}: cannot be used with {column}, which names them too")
+        if value is not None and apart is not None:
+            raise ValueError(f"{name}: cannot be used with realization_column, which sorts points anew; expected {column}")
     weights, classes = of.get("weights", weights), of.get("classes", classes)
     intensities = of.get("intensities", intensities)
     if weights is not None and intensities is not None:
@@ -41,7 +48,9 @@ def prepared(
     columns = given.pop("columns", None)
     if isinstance(columns, str):
         columns = [c.strip() for c in columns.split(",")]
-    held = sets(points, columns, weights if intensities is None else intensities, classes)
+    elif columns is not None and not isinstance(columns, Sequence):
+        columns = [columns]
+    held = sets(points, columns, weights if intensities is None else intensities, classes, names=of.get("names", ([], [])))
     if weights is not None:
         given["weight_column"] = "weights"
     if intensities is not None:
@@ -55,11 +64,11 @@ def prepared(
 
 def _dim_of(given: Mapping[str, Any]) -> int | None:
     if "dim" in given:
-        return int(given["dim"])
+        return whole("dim", given["dim"])
     if "sampler" in given:
         return 2
     for name, of in (("box", 1), ("window", 2)):
-        if name in given and not isinstance(given[name], str):
+        if name in given and isinstance(given[name], Sequence) and not isinstance(given[name], str):
             return len(given[name]) // of
     return None
 
@@ -78,8 +87,13 @@ def _measured(
     limit = given.pop("time_limit", None)
     asked, opened = prepared(points, given, integrals_alone=integrals_alone, **marks)
     sums = _pairwave.Measurement(asked, opened)
+    until = [until] if isinstance(until, str) else list(until) if isinstance(until, (list, tuple)) else [until]
+    if not all(isinstance(target, str) for target in until):
+        raise TypeError(f"until_error {until!r}: expected texts such as 'pcf@0.05:0.01'")
+    if limit is not None and not isinstance(limit, (int, float)):
+        raise TypeError(f"time_limit {limit!r}: expected a number of seconds")
     with told(progress) as tell:
-        found = sums.finish(command, tell, [until] if isinstance(until, str) else list(until), limit)
+        found = sums.finish(command, tell, until, limit)
         return Result(found, sums, main)
 
 
@@ -132,7 +146,8 @@ def measure(
     Notes
     -----
     The definitions are those of the program: pairs are ordered, bins half-open, ``P(m) = |sum_j exp(-2 pi i m.x_j / L)|^2 / n`` with the
-    integer wave vector m in cycles per side; DC is not removed. See docs/conventions.md.
+    integer wave vector m in cycles per side (of several realizations the mean of the squares over the mean of n); DC is not removed.
+    See docs/conventions.md.
 
     Examples
     --------
@@ -363,7 +378,7 @@ def integrate(
     if p is not None:
         if points is not None or weights is not None or intensities is not None:
             raise ValueError("p: predicts without points; expected none beside it")
-        asked = request(given, int(settings.get("dim") or 2))
+        asked = request(given, _dim_of({"sampler": "", **settings}))
         return Found(_pairwave.predict(os.fspath(p), asked.integrals_alone()), call("integrate", {"p": p, **given}))
     alone = settings.get("stats") is None
     return _measured("integrate", points, {"weights": weights, "intensities": intensities}, progress, given, "variance", alone)
@@ -378,6 +393,8 @@ def explain(points: Any = None, *, weights: Any = None, classes: Any = None, int
     -------
     str
     """
+    for name in ("until_error", "time_limit"):
+        settings.pop(name, None)
     return _pairwave.Measurement.explain(*prepared(points, settings, weights, classes, intensities))
 
 
@@ -428,12 +445,17 @@ def convergence(
     if samplers and n is None:
         raise ValueError("n (none): sampler needs numbers of points such as '2^4..2^10'")
 
-    def listed(numbers: str | Sequence[int] | None) -> str | None:
-        return numbers if numbers is None or isinstance(numbers, str) else ",".join(str(int(number)) for number in numbers)
-
     asked = request(given, _dim_of({"sampler": "", **settings}))
     with told(progress) as tell:
-        return Found(_pairwave.convergence(asked, samplers, listed(n), listed(prefixes), tell), command)
+        return Found(_pairwave.convergence(asked, samplers, _listed("n", n), _listed("prefixes", prefixes), tell), command)
+
+
+def _listed(name: str, numbers: str | int | Sequence[int] | None) -> str | None:
+    """Numbers of points as they are typed."""
+    if numbers is None or isinstance(numbers, str):
+        return numbers
+    many = numbers if isinstance(numbers, Sequence) else [numbers]
+    return ",".join(str(whole(name, number)) for number in many)
 
 
 def survey(
@@ -463,9 +485,8 @@ def survey(
         if not are_files(points):
             raise TypeError("points: arrays are not taken here; expected files or a sampler")
         given["files"] = [points] if isinstance(points, (str, os.PathLike)) else list(points)
-    numbers = prefixes if prefixes is None or isinstance(prefixes, str) else ",".join(str(int(n)) for n in prefixes)
     with told(progress) as tell:
-        return Found(_pairwave.survey(request(given), numbers, tell), command)
+        return Found(_pairwave.survey(request(given), _listed("prefixes", prefixes), tell), command)
 
 
 def compare(*results: str | os.PathLike[str] | Result, alpha: float = 0.01) -> Found:
@@ -492,13 +513,16 @@ def compare(*results: str | os.PathLike[str] | Result, alpha: float = 0.01) -> F
     """
     import tempfile
 
-    with tempfile.TemporaryDirectory(prefix="pairwave-") as room:
-        dirs = []
-        for k, result in enumerate(results):
-            if isinstance(result, Result):
-                dirs.append(os.path.join(room, f"result-{k + 1}"))
-                result.save(dirs[-1])
-            else:
-                dirs.append(os.fspath(result))
-        command = f"pairwave.compare({', '.join(map(repr, map(str, dirs)))})"
-        return Found(_pairwave.compare(dirs, float(alpha)), command)
+    # As long as what is found, which reads them again where it is saved.
+    room = tempfile.TemporaryDirectory(prefix="pairwave-")
+    dirs = []
+    for k, result in enumerate(results):
+        if isinstance(result, Result):
+            dirs.append(os.path.join(room.name, f"result-{k + 1}"))
+            result.save(dirs[-1])
+        else:
+            dirs.append(os.fspath(result))
+    if not isinstance(alpha, (int, float)):
+        raise TypeError(f"alpha {alpha!r}: expected a number")
+    command = f"pairwave.compare({', '.join(map(repr, map(str, dirs)))})"
+    return Found(_pairwave.compare(dirs, float(alpha)), command, room)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +15,11 @@ from . import _pairwave
 from ._points import Sets, sets
 from ._progress import Progress, told
 from ._result import Result
-from ._settings import call, request
+from ._settings import call, request, whole
+
+#: Keywords of all realizations, or of where they come from.
+_OF_ALL: tuple[str, ...] = ("sampler", "files", "n", "weight_column", "intensity_column", "class_column", "inhomogeneous", "envelope", "envelope_from")
+_OF_ALL += ("columns", "realization_column", "raw", "array", "keep_going")
 
 #: Realizations whose sums are one step of every sum: parts begin at multiples of it.
 LEAF = 16
@@ -61,15 +68,19 @@ class Measurement:
     """
 
     def __init__(self, *, k: int | None = None, first: int = 0, mean_points: float | None = None, **settings: Any) -> None:
-        if k is not None and k < 1:
+        if k is not None and not 1 <= whole("k", k) < 1 << 63:
             raise ValueError(f"k {k}: expected 1 realization or more")
-        if first < 0 or first % LEAF:
+        if whole("first", first) < 0 or first % LEAF:
             raise ValueError(f"first {first}: expected a multiple of {LEAF}")
-        for name in ("sampler", "files", "n", "weight_column", "intensity_column", "class_column", "inhomogeneous", "envelope"):
+        if mean_points is not None and not (isinstance(mean_points, (int, float)) and 0 < mean_points <= 1e9):
+            raise ValueError(f"mean_points {mean_points!r}: expected a number above 0 and at most 1e9")
+        for name in _OF_ALL:
             if settings.get(name) is not None:
-                raise ValueError(f"{name}: is of all realizations at once, and here they are added; measure() takes it")
+                raise ValueError(f"{name}: is of all realizations at once, or of where they come from, and here they are added; measure() takes it")
         self._settings = settings
-        self._total = _MANY if k is None else int(k)
+        self._lock = threading.RLock()
+        self._busy = False
+        self._total = _MANY if k is None else k
         self._first = first
         self._mean = None if mean_points is None else float(mean_points)
         self._most = 0
@@ -87,15 +98,35 @@ class Measurement:
         What is wrong with them is said here, and nothing of them is added then; of what is yielded, what came before is. After Ctrl-C what
         was added stays, and is measured later.
         """
-        if hasattr(points, "__next__"):
+        if not isinstance(points, (list, tuple, str)) and not hasattr(points, "__array__") and isinstance(points, Iterable):
             for one in points:
+                if np.ndim(one) not in (2, 3) and not hasattr(one, "columns"):
+                    raise ValueError(f"points: shape {np.shape(one)} was yielded; expected arrays (n, d) or (K, n, d)")
                 self.add(one, progress=progress)
             return
         given = sets(points)
+        with self._alone():
+            self._add(given, progress)
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """One thread at a time; a callback of it is told that it cannot."""
+        with self._lock:
+            if self._busy:
+                raise RuntimeError("this Measurement is at work: what it calls cannot use it")
+            self._busy = True
+            try:
+                yield
+            finally:
+                self._busy = False
+
+    def _add(self, given: Sets, progress: bool | Progress | None) -> None:
         if self._dim and given["coordinates"][0].shape[-1] != self._dim:
             raise ValueError(f"points: {given['coordinates'][0].shape[-1]} coordinates; those before have {self._dim}")
         if self._at + len(self._waiting) + len(given["coordinates"]) > self._total:
             raise ValueError(f"k {self._total}: no more realizations can be added; expected k to be as many as there are")
+        if not self._waiting and self._done % LEAF:
+            raise ValueError(f"these sums end within {LEAF} realizations that are summed together (at {self._at}); nothing can be added to them")
         self._check(given)
         self._dim = given["coordinates"][0].shape[-1]
         if self._mean is None:
@@ -124,7 +155,7 @@ class Measurement:
         asked = request(self._settings, self._dim)
         end = self._at + count
         most = max([self._most, *(len(array) for array in here)])
-        of = Sets(coordinates=here, digits=self._digits, weights=[], labels=[], first=self._at)
+        of = Sets(coordinates=here, digits=self._digits, weights=[], labels=[], columns=[], unused=[], first=self._at)
         sizes = (self._total, self._mean or 0.0, most)
         points = _pairwave.Points.of_stream(asked, "added", of, self._at, sizes)
         return _pairwave.Measurement(asked, points, (self._at, end))
@@ -161,9 +192,9 @@ class Measurement:
             rest.measure(tell)
         if self._sums is None:
             return rest
-        whole = _pairwave.Measurement.read("sums", self._sums.write())
-        whole.absorb(rest)
-        return whole
+        sums = _pairwave.Measurement.read("sums", self._sums.write())
+        sums.absorb(rest)
+        return sums
 
     def result(self, *, progress: bool | Progress | None = None) -> Result:
         """What is found so far; more can be added afterwards.
@@ -173,14 +204,16 @@ class Measurement:
         ValueError
             Before anything was added; where merged parts leave a gap.
         """
-        whole = self._whole(progress)
-        gap = whole.missing
-        if self._first == 0 and gap is not None and not gap.startswith((f"{whole.realizations + 1}-", str(whole.total))):
-            raise ValueError(f"no part has the realizations {gap.rpartition(', ')[0] or gap}; expected them to be merged before")
-        found = whole.analysis(call("Measurement", self._settings))
+        with self._alone():
+            sums = self._whole(progress)
+        start, end = sums.reach
+        if sums.realizations != end - start:
+            gap = (sums.missing or "").split(", ")
+            raise ValueError(f"no part has the realizations {gap[1 if start else 0]}; expected them to be merged before")
+        found = sums.analysis(call("Measurement", self._settings))
         if found is None:
             raise ValueError("there are no realizations; expected add() before")
-        return Result(found, whole)
+        return Result(found, sums)
 
     def merge(self, other: Measurement) -> None:
         """Adds the realizations of another, which was given the same settings.
@@ -190,10 +223,23 @@ class Measurement:
         ValueError
             Other settings; realizations that both hold; a part that ends within 16 realizations, with more after it.
         """
+        if not isinstance(other, Measurement):
+            raise TypeError(f"merge: a {type(other).__name__}; expected a Measurement")
+        if other is self:
+            raise ValueError("merge: both are the same")
+        with self._alone(), other._alone():
+            self._merge(other)
+
+    def _merge(self, other: Measurement) -> None:
+        if (self._settings, self._total) != (other._settings, other._total) and not (self.realizations and other.realizations):
+            raise ValueError(f"merge: of other settings: {other._settings}, against {self._settings}")
+        if not other.realizations:
+            return
         earlier, later = sorted((self, other), key=lambda part: part._first)
         end = earlier._at + len(earlier._waiting)
         if end % LEAF and later._first >= end:
             raise ValueError(f"merge: the realizations before {end} do not end at a multiple of {LEAF}; expected parts that do")
+        last = max(self._at + len(self._waiting), other._at + len(other._waiting))
         theirs = other._whole(None)
         mine = self._whole(None) if self._sums is not None or self._waiting else None
         copy = _pairwave.Measurement.read("the other", theirs.write())
@@ -203,18 +249,22 @@ class Measurement:
             mine.absorb(copy)
             self._sums = mine
         self._waiting = []
-        self._first = min(self._first, other._first)
+        self._held = 0
+        self._first = min(self._first, other._first) if mine is not None else other._first
         self._mean = self._mean if self._mean is not None else other._mean
         self._most, self._dim = max(self._most, other._most), self._dim or other._dim
-        self._done = max(self._at, other._at) - self._first
+        self._done = last - self._first
 
     def to_bytes(self) -> bytes:
         """The sums, in the documented form of the program (docs/sums.md)."""
-        return self._whole(None).write()
+        with self._alone():
+            return self._whole(None).write()
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
         """Writes the sums into a file, whole or not at all; ``pairwave merge`` reads it too."""
         target = Path(path)
+        if target.is_dir():
+            raise IsADirectoryError(f"{target}: is a directory; expected a file")
         if target.exists() and not force:
             raise FileExistsError(f"{target}: is there already; force replaces it")
         part = target.with_name(f".{target.name}.{os.getpid()}")
@@ -236,14 +286,16 @@ class Measurement:
     def _of(cls, sums: _pairwave.Measurement) -> Measurement:
         made = cls.__new__(cls)
         made._settings = dict(sums.settings)
-        made._first, made._sums, made._waiting, made._digits = 0, sums, [], None
+        made._lock, made._busy, made._held = threading.RLock(), False, 0
+        made._first, made._sums, made._waiting, made._digits = sums.reach[0] // LEAF * LEAF, sums, [], None
         made._mean, made._most = sums.sizes[1], sums.sizes[2]
         made._total, made._dim = sums.total, sums.dim
-        made._done = sums.end
+        made._done = sums.reach[1] - made._first
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:
         state = dict(self.__dict__)
+        del state["_lock"]
         state["_sums"] = None if self._sums is None else self._sums.write()
         return _unpickled, (state,)
 
@@ -255,5 +307,5 @@ class Measurement:
 def _unpickled(state: dict[str, Any]) -> Measurement:
     made = Measurement.__new__(Measurement)
     content = state.pop("_sums")
-    made.__dict__.update(state, _sums=None if content is None else _pairwave.Measurement.read("pickle", content))
+    made.__dict__.update(state, _lock=threading.RLock(), _busy=False, _sums=None if content is None else _pairwave.Measurement.read("pickle", content))
     return made

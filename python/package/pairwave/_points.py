@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import operator
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypedDict
 
 import numpy as np
-
-from ._pairwave import Points, Request
 
 #: Most numbers per point.
 _MOST = 3
@@ -21,6 +20,8 @@ class Sets(TypedDict):
     digits: int | None
     weights: list[list[float]]
     labels: list[list[str]]
+    columns: list[str]
+    unused: list[str]
     first: int
 
 
@@ -52,12 +53,16 @@ def arrays(points: Any, columns: Sequence[str | int] | None = None) -> tuple[lis
         if isinstance(points, Iterable):
             return arrays(list(points), columns)
         raise TypeError(f"points: a {type(points).__name__}; expected arrays, files or a data frame")
+    if hasattr(points, "toarray"):
+        raise TypeError(f"points: a {type(points).__name__}, which is sparse; expected an array of coordinates")
     try:
-        whole = np.asarray(points)
-    except ValueError as error:
+        whole = np.ma.asarray(points)
+    except (NotImplementedError, ValueError) as error:
         raise ValueError(f"points: {error}; expected (n, d), (K, n, d) or a list of arrays (n_k, d)") from None
     if whole.size == 0:
         raise ValueError(f"points: there are none (shape {whole.shape}); expected (n, d), (K, n, d) or a list of arrays (n_k, d)")
+    if whole.ndim == 0:
+        raise ValueError(f"points: {points!r} is one number; expected (n, d), (K, n, d) or a list of arrays (n_k, d)")
     if whole.ndim == 3:
         made = [_plane(whole, "", columns)]
         return list(made[0][0]), made[0][1]
@@ -67,20 +72,7 @@ def arrays(points: Any, columns: Sequence[str | int] | None = None) -> tuple[lis
 
 def _of_frames(frames: Sequence[Any], columns: Sequence[str | int] | None) -> tuple[list[np.ndarray[Any, Any]], int | None]:
     def of(frame: Any) -> np.ndarray[Any, Any]:
-        names = list(frame.columns)
-        if columns is None:
-            low = {str(name).lower(): name for name in names}
-            wanted: list[Any] = [low[axis] for axis in ("x", "y", "z") if axis in low]
-            if not wanted:
-                if len(names) > _MOST:
-                    raise ValueError(f"points: a data frame with columns {', '.join(map(str, names))}; name those of coordinates with columns")
-                wanted = names
-        else:
-            wanted = [names[c - 1] if isinstance(c, int) and c not in names else c for c in columns]
-            missing = [c for c in wanted if c not in names]
-            if missing:
-                raise ValueError(f"columns {missing[0]}: is no column of the data frame; it has {', '.join(map(str, names))}")
-        return np.asarray(frame[wanted].to_numpy())
+        return np.asarray(frame[_coordinates(list(frame.columns), columns)].to_numpy())
 
     made = [_plane(of(frame), f"realization {k}", None) for k, frame in enumerate(frames)]
     return [array for array, _ in made], made[0][1]
@@ -89,6 +81,9 @@ def _of_frames(frames: Sequence[Any], columns: Sequence[str | int] | None) -> tu
 def _plane(array: np.ndarray[Any, Any], name: str, columns: Sequence[str | int] | None) -> tuple[np.ndarray[Any, Any], int | None]:
     """An array of float64 or float32 whose last axis has the coordinates."""
     place = f"points{', ' + name if name else ''}"
+    if np.ma.is_masked(array):
+        raise ValueError(f"{place}: has masked values; expected an array without, as array[~mask.any(axis=1)]")
+    array = np.asarray(array)
     if array.dtype.kind == "O":
         raise TypeError(f"{place}: an array of objects; expected numbers, all realizations of a (K, n, d) array with equally many points")
     if array.dtype.kind not in "fiub":
@@ -111,8 +106,8 @@ def _plane(array: np.ndarray[Any, Any], name: str, columns: Sequence[str | int] 
 
 def _position(column: str | int, width: int) -> int:
     try:
-        position = int(column)
-    except ValueError:
+        position = int(column) if isinstance(column, str) else operator.index(column)
+    except (TypeError, ValueError):
         raise ValueError(f"columns {column}: an array has no names; expected numbers from 1 to {width}") from None
     if not 1 <= position <= width:
         raise ValueError(f"columns {column}: expected numbers from 1 to {width}")
@@ -122,9 +117,9 @@ def _position(column: str | int, width: int) -> int:
 def marks(of: Any, sizes: Sequence[int], name: str) -> list[np.ndarray[Any, Any]]:
     """One mark per point: an array for all realizations, or one for each."""
     if isinstance(of, (list, tuple)) and len(of) == len(sizes) and all(isinstance(x, (np.ndarray, list, tuple)) for x in of):
-        each = [np.asarray(x) for x in of]
+        each = [np.ma.asarray(x) if isinstance(x, np.ma.MaskedArray) else np.asarray(x) for x in of]
     else:
-        whole = np.asarray(of)
+        whole = of if isinstance(of, np.ma.MaskedArray) else np.asarray(of)
         if whole.ndim == 2 and whole.shape[0] == len(sizes):
             each = list(whole)
         elif whole.ndim == 1 and len(sizes) == 1:
@@ -134,9 +129,17 @@ def marks(of: Any, sizes: Sequence[int], name: str) -> list[np.ndarray[Any, Any]
         else:
             raise ValueError(f"{name}: shape {whole.shape}; expected one per point, {sum(sizes)} in all")
     for k, (mark, n) in enumerate(zip(each, sizes)):
+        if np.ma.is_masked(mark):
+            raise ValueError(f"{name}, realization {k}: has masked values; expected one for each point")
         if mark.shape != (n,):
             raise ValueError(f"{name}, realization {k}: shape {mark.shape}; expected ({n},), one per point")
     return each
+
+
+def _label(k: int, j: int, label: Any) -> str:
+    if label is None or label != label:
+        raise ValueError(f"classes, realization {k}, point {j}: {label}; expected a class for each point")
+    return str(label)
 
 
 def sets(
@@ -145,8 +148,9 @@ def sets(
     weights: Any = None,
     classes: Any = None,
     first: int = 0,
+    names: tuple[list[str], list[str]] = ([], []),
 ) -> Sets:
-    """Points with their marks."""
+    """Points with their marks; `names` of columns that were taken and that were not."""
     coordinates, digits = arrays(points, columns)
     sizes = [len(array) for array in coordinates]
     of_weights: list[list[float]] = []
@@ -161,40 +165,80 @@ def sets(
                 raise ValueError(f"weights, realization {k}, point {bad[0]}: {values[bad[0]]}; expected finite numbers")
             of_weights.append(values.tolist())
     if classes is not None:
-        labels = [[str(label) for label in mark.tolist()] for mark in marks(classes, sizes, "classes")]
-    return Sets(coordinates=coordinates, digits=digits, weights=of_weights, labels=labels, first=first)
+        labels = [[_label(k, j, label) for j, label in enumerate(mark.tolist())] for k, mark in enumerate(marks(classes, sizes, "classes"))]
+    return Sets(
+        coordinates=coordinates, digits=digits, weights=of_weights, labels=labels, columns=names[0], unused=names[1], first=first
+    )
 
 
-def frames(points: Any, given: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+class Frames(TypedDict, total=False):
+    """What a data frame holds besides coordinates."""
+
+    weights: list[np.ndarray[Any, Any]]
+    intensities: list[np.ndarray[Any, Any]]
+    classes: list[np.ndarray[Any, Any]]
+    names: tuple[list[str], list[str]]
+
+
+def frames(points: Any, given: dict[str, Any]) -> tuple[Any, Frames]:
     """A data frame as its realizations and the marks that keywords name columns of; what they say is taken out of `given`."""
     if not (hasattr(points, "columns") and hasattr(points, "to_numpy")):
         for name in ("weight_column", "intensity_column", "class_column", "realization_column"):
-            if given.get(name) is not None and not are_files(points) and points is not None:
+            if given.get(name) is not None:
                 raise ValueError(f"{name} {given[name]}: names a column of files or of a data frame; arrays have {_keyword(name)}")
         return points, {}
-    names = [str(name) for name in points.columns]
+    names = {str(name): name for name in points.columns}
 
-    def column(keyword: str) -> str | None:
+    def column(keyword: str) -> Any:
         name = given.pop(keyword, None)
         if name is not None and str(name) not in names:
             raise ValueError(f"{keyword} {name}: is no column of the data frame; it has {', '.join(names)}")
-        return None if name is None else str(name)
+        return None if name is None else names[str(name)]
 
     realization = column("realization_column")
-    found = [points] if realization is None else [part for _, part in points.groupby(realization, sort=False)]
-    of: dict[str, Any] = {}
-    used = {realization}
-    for keyword, mark in (("weight_column", "weights"), ("intensity_column", "intensities"), ("class_column", "classes")):
-        marked = column(keyword)
-        used.add(marked)
-        if marked is not None:
-            of[mark] = [part[marked].to_numpy() for part in found]
-    columns = given.pop("columns", None)
-    if isinstance(columns, str):
-        columns = [c.strip() for c in columns.split(",")]
-    if columns is None and not {"x", "y", "z"} & {name.lower() for name in names}:
-        columns = [name for name in names if name not in used]
-    return arrays(found, columns)[0], of
+    if realization is not None and points[realization].isna().any():
+        row = int(points[realization].isna().to_numpy().argmax())
+        raise ValueError(f"realization_column {realization}: row {row} has none; expected one for each point")
+    parts = [points] if realization is None else [part for _, part in points.groupby(realization, sort=False)]
+    found: Frames = {}
+    used = [] if realization is None else [realization]
+    if (name := column("weight_column")) is not None:
+        used.append(name)
+        found["weights"] = [part[name].to_numpy() for part in parts]
+    if (name := column("intensity_column")) is not None:
+        used.append(name)
+        found["intensities"] = [part[name].to_numpy() for part in parts]
+    if (name := column("class_column")) is not None:
+        used.append(name)
+        found["classes"] = [part[name].to_numpy() for part in parts]
+    asked = given.pop("columns", None)
+    taken = _coordinates(list(points.columns), asked, used)
+    found["names"] = ([str(name) for name in taken], [str(name) for name in points.columns if name not in taken and name not in used])
+    return [np.asarray(part[taken].to_numpy()) for part in parts], found
+
+
+def _named(names: list[Any], column: Any) -> Any:
+    """A column of a data frame by its name, else by its number from 1."""
+    if not isinstance(column, (bool, float)) and column in names:
+        return column
+    number = int(column) if str(column).isdigit() else 0
+    if not 1 <= number <= len(names):
+        raise ValueError(f"columns {column}: is no column of the data frame, nor a number from 1; it has {', '.join(map(str, names))}")
+    return names[number - 1]
+
+
+def _coordinates(names: list[Any], asked: Sequence[str | int] | str | None, used: Sequence[Any] = ()) -> list[Any]:
+    """The columns of a data frame that hold coordinates."""
+    if isinstance(asked, str):
+        asked = [name.strip() for name in asked.split(",")]
+    if asked is not None:
+        return [_named(names, c) for c in asked]
+    low = {str(name).lower(): name for name in names}
+    axes = [low[axis] for axis in ("x", "y", "z") if axis in low]
+    rest = [name for name in names if name not in used]
+    if not axes and len(rest) > _MOST:
+        raise ValueError(f"points: a data frame with columns {', '.join(map(str, names))}; columns names those of coordinates")
+    return axes or rest
 
 
 def _keyword(name: str) -> str:
@@ -203,9 +247,3 @@ def _keyword(name: str) -> str:
     )
 
 
-def opened(request: Request, given: Sets) -> Points:
-    """Points in memory."""
-    return Points.held(request, given)
-
-
-__all__ = ["Mapping", "Sets", "are_files", "arrays", "frames", "marks", "opened", "sets"]

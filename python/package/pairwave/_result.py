@@ -55,7 +55,13 @@ class Table(Mapping[str, Any]):
         return sorted({*super().__dir__(), *self._columns})
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Table, (self._name, self._columns)
+        return _table, (self._name, self._columns)
+
+    def __copy__(self) -> Table:
+        return self
+
+    def __deepcopy__(self, _: Any) -> Table:
+        return self
 
     @property
     def rows(self) -> int:
@@ -85,6 +91,17 @@ class Table(Mapping[str, Any]):
         )
         more = f"<caption>{_plain(self._name)}, {self.rows} rows</caption>"
         return f"<table>{more}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _frozen(column: Any) -> Any:
+    """What was measured is not written to."""
+    if isinstance(column, np.ndarray):
+        column.flags.writeable = False
+    return column
+
+
+def _table(name: str, columns: Mapping[str, Any]) -> Table:
+    return Table(name, {column: _frozen(values) for column, values in columns.items()})
 
 
 def _short(value: Any) -> str:
@@ -131,6 +148,19 @@ class _Kept:
     def file(self, name: str) -> bytes | None:
         found: bytes | None = self._of["files"].get(name)
         return found
+
+    def save(self, out: Path, force: bool) -> list[Path]:
+        """Writes the same files, the summary last."""
+        if (out / "summary.json").exists() and not force:
+            raise ValueError(f"out {out}: holds a result already; force replaces it")
+        out.mkdir(parents=True, exist_ok=True)
+        files: dict[str, bytes] = dict(self._of["files"])
+        summary = json.loads(files.pop("summary.json"))
+        summary["files"] = [*files, "summary.json"]
+        files["summary.json"] = (json.dumps(summary, indent=2, ensure_ascii=False) + "\n").encode()
+        for name, content in files.items():
+            (out / name).write_bytes(content)
+        return [out / name for name in files]
 
 
 class Result:
@@ -272,10 +302,14 @@ class Result:
         list of Path
             The files.
         """
-        if not isinstance(self._found, _pairwave.Analysis):
-            raise ValueError("save: this result came out of a pickle; save it before, or take its files by file()")
         if keep_sums and self._sums is None:
-            raise ValueError("keep_sums: the sums of this result are not here")
+            raise ValueError("keep_sums True: the sums of this result are not here")
+        if isinstance(self._found, _Kept):
+            if npz:
+                raise ValueError("npz True: what came out of a pickle has no such file; expected it to be saved before")
+            return self._found.save(Path(out), force)
+        if not isinstance(self._found, _pairwave.Analysis):
+            raise ValueError("save: there is nothing to be saved")
         sums = self._sums.write() if keep_sums and self._sums is not None else None
         return [Path(path) for path in self._found.write(os.fspath(out), force, sums, npz)]
 
@@ -331,6 +365,13 @@ class Result:
 
         return draw(self, name or self._main, ax)
 
+    # It does not change.
+    def __copy__(self) -> Result:
+        return self
+
+    def __deepcopy__(self, _: Any) -> Result:
+        return self
+
     def __reduce__(self) -> tuple[Any, ...]:
         names = [*_pairwave.Analysis.file_names(), "summary.json", "report.html"]
         files = {name: self._found.file(name) for name in names}
@@ -363,6 +404,9 @@ class Result:
 
 
 def _unpickled(kept: dict[str, Any], main: str | None) -> Result:
+    for values in (kept["arrays"], *kept["tables"].values()):
+        for column in values.values():
+            _frozen(column)
     return Result(_Kept(kept), None, main)
 
 
@@ -379,8 +423,9 @@ class Found:
         Of :func:`compare`, whether any result differs from the first.
     """
 
-    def __init__(self, found: _pairwave.Found, command: str) -> None:
+    def __init__(self, found: _pairwave.Found, command: str, room: Any = None) -> None:
         self._found: _pairwave.Found | None = found
+        self._room = room
         self._command = command
         self._text = found.text
         self.tables = {name: Table(name, columns) for name, columns in found.tables().items()}
@@ -404,7 +449,7 @@ class Found:
         return [Path(path) for path in self._found.write(os.fspath(out), force, self._command)]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_found": None}
+        return {**self.__dict__, "_found": None, "_room": None}
 
     def __repr__(self) -> str:
         return self._text.rstrip("\n")

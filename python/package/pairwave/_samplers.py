@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _pairwave
+from ._settings import whole
 
 
 def sample(
@@ -61,11 +62,12 @@ def sample(
     (3, 16, 2)
     """
     words = [f"{key}={of}" for key, of in param.items()] if isinstance(param, Mapping) else list(param)
-    for label, value in (("n", n), ("k", 1 if k is None else k), ("dim", dim), ("seed", seed)):
-        if int(value) < 0:
-            raise ValueError(f"{label} {value}: expected no number below 0")
-    n = _pairwave.nearest_size(name, int(n), int(dim)) if nearest else int(n)
-    found = _pairwave.sample(name, n, 1 if k is None else int(k), int(dim), int(seed), words, threads)
+    given = {"n": n, "k": 1 if k is None else k, "dim": dim, "seed": seed}
+    for label, value in given.items():
+        if not 0 <= whole(label, value) < 1 << 64:
+            raise ValueError(f"{label} {value}: expected a number from 0 to 2^64 - 1")
+    n = _pairwave.nearest_size(name, n, dim) if nearest else n
+    found = _pairwave.sample(name, n, given["k"], dim, seed, words, threads)
     if k is None:
         return found[0]
     if found and all(array.shape == found[0].shape for array in found) and samplers(name)[0]["fixed_n"]:

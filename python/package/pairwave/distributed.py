@@ -18,7 +18,7 @@ from ._measurement import LEAF
 from ._points import are_files, sets
 from ._progress import Progress, told
 from ._result import Result
-from ._settings import call, request
+from ._settings import call, request, whole
 
 #: Sums that one task merges.
 _ARITY = 8
@@ -45,27 +45,42 @@ def _of_sampler(settings: dict[str, Any], span: tuple[int, int]) -> bytes:
 
 def _of_arrays(settings: dict[str, Any], first: int, sizes: tuple[int, float, int], *pieces: Any) -> bytes:
     """The sums of realizations from `first` on, in one piece or more."""
-    held = [array for piece in pieces for array in sets(piece)["coordinates"]]
+    held = [array for piece in pieces for array in _realizations(piece)]
     given = sets(held, first=first)
     asked = request(_settings_here(settings), held[0].shape[-1])
     points = _pairwave.Points.of_stream(asked, "distributed", given, first, sizes)
     return _finished(asked, points, (first, first + len(held)))
 
 
+def _is_remote(piece: Any) -> bool:
+    """Whether it is a task, or the result of one."""
+    return hasattr(type(piece), "__dask_graph__") or type(piece).__name__ == "Future"
+
+
+def _realizations(piece: Any) -> list[np.ndarray[Any, Any]]:
+    """Those of a piece; a part of a bag may be empty."""
+    if isinstance(piece, list):
+        if not piece:
+            return []
+        if all(np.ndim(one) < 2 and not hasattr(one, "columns") for one in piece):
+            raise ValueError(f"source: a part holds {type(piece[0]).__name__} of shape {np.shape(piece[0])}; expected arrays (n, d)")
+    return sets(piece)["coordinates"]
+
+
 def _cut(piece: Any, start: int, stop: int) -> list[np.ndarray[Any, Any]]:
     """Some realizations of a piece."""
-    return sets(piece)["coordinates"][start:stop]
+    return _realizations(piece)[start:stop]
 
 
 def _sizes_of(piece: Any) -> list[int]:
-    return [len(array) for array in sets(piece)["coordinates"]]
+    return [len(array) for array in _realizations(piece)]
 
 
 def _merged(*parts: bytes) -> bytes:
-    whole = _pairwave.Measurement.read("part 1", parts[0])
+    sums = _pairwave.Measurement.read("part 1", parts[0])
     for k, part in enumerate(parts[1:]):
-        whole.absorb(_pairwave.Measurement.read(f"part {k + 2}", part))
-    return whole.write()
+        sums.absorb(_pairwave.Measurement.read(f"part {k + 2}", part))
+    return sums.write()
 
 
 def _shards(total: int, shards: int) -> list[tuple[int, int]]:
@@ -79,7 +94,11 @@ def _shards(total: int, shards: int) -> list[tuple[int, int]]:
 def _as_pieces(source: Any) -> list[Any] | None:
     """What a Dask collection or a list is made of, one piece after the other; None for a sampler or files."""
     if source is None or are_files(source):
+        if isinstance(source, (str, os.PathLike)) and not os.fspath(source):
+            raise ValueError("source '': expected the path of a file or a folder")
         return None
+    if type(source).__name__ == "Delayed":
+        return [source]
     if hasattr(source, "to_delayed"):
         if hasattr(source, "ndim"):
             if source.ndim != 3:
@@ -90,7 +109,10 @@ def _as_pieces(source: Any) -> list[Any] | None:
     if isinstance(source, np.ndarray) or hasattr(source, "columns"):
         return [source]
     if isinstance(source, Iterable):
-        return list(source)
+        pieces = list(source)
+        # Numbers in a list are one set, as they are for pairwave.measure.
+        remote = any(_is_remote(piece) for piece in pieces)
+        return pieces if remote or any(np.ndim(piece) > 1 or hasattr(piece, "columns") for piece in pieces) else [np.asarray(pieces)]
     raise TypeError(f"source: a {type(source).__name__}; expected a Dask array or bag, arrays, files, or settings of a sampler")
 
 
@@ -177,6 +199,16 @@ def measure(
     """
     if settings.get("envelope") is not None or settings.get("envelope_from") is not None:
         raise ValueError("envelope: needs all realizations at once; pairwave.measure takes it")
+    if client is not None and not hasattr(client, "submit"):
+        raise TypeError(f"client: a {type(client).__name__}; expected a distributed.Client, or None to run by Dask alone")
+    if scheduler not in (None, "processes", "threads", "synchronous", "sync", "single-threaded", "multiprocessing", "threading"):
+        raise ValueError(f"scheduler {scheduler!r}: expected 'processes', 'threads' or 'synchronous'")
+    for name in ("weights", "classes", "intensities", "until_error", "time_limit"):
+        if settings.get(name) is not None:
+            raise ValueError(f"{name}: needs all realizations at once; pairwave.measure takes it, and files with columns of marks")
+    if shards is not None and whole("shards", shards) < 1:
+        raise ValueError(f"shards {shards}: expected 1 or more")
+    whole("retries", retries)
     if partial is not None and client is None:
         raise ValueError("partial: needs a client; without one there is only the whole")
     command = call("distributed.measure", {"source": source, **settings})
@@ -217,7 +249,7 @@ def _piece_tasks(engine: _Engine, pieces: list[Any], settings: dict[str, Any], s
     """Tasks that are handed the arrays that hold their realizations."""
     if not pieces:
         raise ValueError("source: there are no realizations")
-    if not any(hasattr(type(piece), "__dask_graph__") for piece in pieces):
+    if not any(_is_remote(piece) for piece in pieces):
         held = [array for piece in pieces for array in sets(piece)["coordinates"]]
         # What is wrong is said here, once.
         request(settings, held[0].shape[-1])
@@ -233,9 +265,9 @@ def _piece_tasks(engine: _Engine, pieces: list[Any], settings: dict[str, Any], s
         for k, piece in enumerate(pieces):
             low, high = max(start, int(starts[k])), min(stop, int(starts[k + 1]))
             if low < high:
-                whole = (low, high) == (starts[k], starts[k + 1])
+                uncut = (low, high) == (starts[k], starts[k + 1])
                 at = (low - int(starts[k]), high - int(starts[k]))
-                parts.append(piece if whole else engine.submit(_cut, piece, *at))
+                parts.append(piece if uncut else engine.submit(_cut, piece, *at))
         tasks.append(engine.submit(_of_arrays, settings, start, sizes, *parts))
     return tasks
 
