@@ -32,9 +32,7 @@ impl Measurement {
     fn new(py: Python<'_>, request: &Request, points: &Points, span: Option<(u64, u64)>) -> PyResult<Self> {
         let (request, points) = (&request.0, &points.0);
         let made = || -> Result<Self> {
-            let plan = Plan::of(request, points)?;
-            let device = device_for(&plan, request)?;
-            let plan = plan.for_device(device.compute());
+            let (plan, device) = planned(request, points)?;
             let sums = pairwave::Measurement::new(request.clone(), points.clone(), plan);
             let sums = match span {
                 Some((start, end)) => sums.within(start..end, &device)?,
@@ -50,9 +48,7 @@ impl Measurement {
     fn explain(py: Python<'_>, request: &Request, points: &Points) -> PyResult<String> {
         let (request, points) = (&request.0, &points.0);
         waited(py, || {
-            let plan = Plan::of(request, points)?;
-            let device = device_for(&plan, request)?;
-            let plan = plan.for_device(device.compute());
+            let (plan, device) = planned(request, points)?;
             Ok(format!("{}\ndevice: {}\n{plan}", points.first_line(), device.computed_by().device()))
         })
     }
@@ -178,6 +174,13 @@ impl Measurement {
         let given = pairwave::request::SETTINGS.iter().filter(|row| row.is_given(request));
         given.map(|row| (keyword(row.setting), request.value(row.setting))).collect()
     }
+}
+
+/// The plan of a request, for the device that it names.
+fn planned(request: &pairwave::Request, points: &pairwave::Points) -> Result<(Plan, Arc<Device>)> {
+    let plan = Plan::of(request, points)?;
+    let device = device_for(&plan, request)?;
+    Ok((plan.for_device(device.compute()), device))
 }
 
 impl Measurement {

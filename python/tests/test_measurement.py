@@ -120,6 +120,46 @@ def test_sums_go_on_where_they_are(points, tmp_path):
         one.save(tmp_path, force=True)
 
 
+def test_an_interrupt_counts_nothing_twice(points):
+    sums = pairwave.Measurement(stats="pcf", bins=9)
+    sums.add(points)
+    # As if it came when the first sums were there, and what is in them still waited.
+    sums._sums = sums._part(16)
+    sums._sums.measure()
+    assert sums.result().file("pcf.csv") == pairwave.measure(points, stats="pcf", bins=9).file("pcf.csv")
+    assert sums.realizations == 20
+
+
+def test_two_that_merge_each_other_end(points, monkeypatch):
+    import contextlib
+    import threading
+    import time
+
+    alone = pairwave.Measurement._alone
+
+    @contextlib.contextmanager
+    def slowly(self):
+        with alone(self):
+            time.sleep(0.1)
+            yield
+
+    one, two = _of(points[:16], 0), _of(points[:16], 16)
+    monkeypatch.setattr(pairwave.Measurement, "_alone", slowly)
+    ended = []
+
+    def merged(a, b):
+        try:
+            a.merge(b)
+            ended.append("merged")
+        except ValueError:
+            ended.append("twice")
+
+    threads = [threading.Thread(target=merged, args=pair, daemon=True) for pair in ((one, two), (two, one))]
+    [thread.start() for thread in threads]
+    [thread.join(20) for thread in threads]
+    assert sorted(ended) == ["merged", "twice"]
+
+
 def test_threads_add_one_after_the_other(points, monkeypatch):
     import threading
 

@@ -116,6 +116,7 @@ class Measurement:
                 raise RuntimeError("this Measurement is at work: what it calls cannot use it")
             self._busy = True
             try:
+                self._settle()
                 yield
             finally:
                 self._busy = False
@@ -170,9 +171,13 @@ class Measurement:
             self._sums = part
         else:
             self._sums.absorb(part)
+        self._settle()
+
+    def _settle(self) -> None:
+        """Lets go of what is in the sums: an interrupt may have come between."""
+        count = 0 if self._sums is None else max(0, self._sums.reach[1] - self._at)
         self._most = max([self._most, *(len(array) for array in self._waiting[:count])])
-        self._done += count
-        del self._waiting[:count]
+        self._waiting, self._done = self._waiting[count:], self._done + count
         self._held = sum(array.size for array in self._waiting)
 
     @property
@@ -227,7 +232,9 @@ class Measurement:
             raise TypeError(f"merge: a {type(other).__name__}; expected a Measurement")
         if other is self:
             raise ValueError("merge: both are the same")
-        with self._alone(), other._alone():
+        # In one order, so that two threads that merge the same two wait for each other and not for ever.
+        one, two = sorted((self, other), key=id)
+        with one._alone(), two._alone():
             self._merge(other)
 
     def _merge(self, other: Measurement) -> None:

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -112,22 +112,6 @@ def _plain(text: str) -> str:
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
-class _Found(Protocol):
-    """What numbers, files and words come from."""
-
-    @property
-    def headline(self) -> str: ...
-    @property
-    def warnings(self) -> list[str]: ...
-    @property
-    def device(self) -> str: ...
-    @property
-    def unit(self) -> str | None: ...
-    def table(self, name: str) -> dict[str, Any] | None: ...
-    def array(self, name: str) -> Any | None: ...
-    def file(self, name: str) -> bytes | None: ...
-
-
 class _Kept:
     """All of a result as it came out of a pickle."""
 
@@ -183,7 +167,7 @@ class Result:
         What ``summary.json`` holds.
     """
 
-    def __init__(self, found: _Found, sums: _pairwave.Measurement | None = None, main: str | None = None) -> None:
+    def __init__(self, found: _pairwave.Analysis | _Kept, sums: _pairwave.Measurement | None = None, main: str | None = None) -> None:
         self._found = found
         self._sums = sums
         self._main = main
@@ -308,8 +292,6 @@ class Result:
             if npz:
                 raise ValueError("npz True: what came out of a pickle has no such file; expected it to be saved before")
             return self._found.save(Path(out), force)
-        if not isinstance(self._found, _pairwave.Analysis):
-            raise ValueError("save: there is nothing to be saved")
         sums = self._sums.write() if keep_sums and self._sums is not None else None
         return [Path(path) for path in self._found.write(os.fspath(out), force, sums, npz)]
 
